@@ -1,0 +1,2 @@
+//! Peers and measurement.
+fn main() {}

@@ -1,0 +1,2 @@
+//! The slimkd command.
+fn main() {}

@@ -1,0 +1,1 @@
+//! A Whitted-style renderer on top of slimkd.

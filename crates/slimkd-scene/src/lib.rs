@@ -1,0 +1,11 @@
+//! Scenes: files, materials, cameras, lights, and procedural scenes of any size.
+
+mod camera;
+mod light;
+mod material;
+mod scene;
+
+pub use camera::{Camera, UpAxis};
+pub use light::Light;
+pub use material::{Material, Texture};
+pub use scene::{Attribute, Scene};

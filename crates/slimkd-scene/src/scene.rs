@@ -1,0 +1,57 @@
+//! A scene: a mesh and what is needed to make a picture of it.
+
+use crate::{Camera, Light, Material, Texture, UpAxis};
+use slimkd::TriangleMesh;
+use std::sync::Arc;
+
+/// A value per vertex, or per corner through its own indices.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Attribute<T> {
+    /// The values.
+    pub values: Vec<T>,
+    /// Per triangle the three values' indices; `None`: the mesh's own vertex indices. An index of `u32::MAX` in the
+    /// first corner means that this triangle has no such attribute.
+    pub indices: Option<Vec<[u32; 3]>>,
+}
+
+impl<T: Copy> Attribute<T> {
+    /// The three corners' values of triangle `id`, whose vertices are `corners`.
+    pub fn corners(&self, id: u32, corners: [u32; 3]) -> Option<[T; 3]> {
+        let index = self.indices.as_ref().map_or(corners, |indices| indices[id as usize]);
+        let value = |k: usize| self.values.get(index[k] as usize).copied();
+        Some([value(0)?, value(1)?, value(2)?])
+    }
+}
+
+/// Everything that a scene file may say. Only the mesh is certain to be there.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// File stem, or the built-in scene's name.
+    pub name: String,
+    /// The geometry; triangle ids are positions in it.
+    pub mesh: Arc<TriangleMesh>,
+    /// At least one material once the scene is complete.
+    pub materials: Vec<Material>,
+    /// Material of each triangle; empty: material 0 for all.
+    pub material_ids: Vec<u32>,
+    /// Shading normals.
+    pub normals: Option<Attribute<[f32; 3]>>,
+    /// Texture coordinates.
+    pub uvs: Option<Attribute<[f32; 2]>>,
+    /// Textures that materials refer to.
+    pub textures: Vec<Texture>,
+    /// Views that the file names; may be empty.
+    pub cameras: Vec<Camera>,
+    /// Lights that the file names; may be empty.
+    pub lights: Vec<Light>,
+    /// Which way is up; `None` when the format does not say.
+    pub up: Option<UpAxis>,
+}
+
+impl Scene {
+    /// The material of triangle `id`.
+    pub fn material(&self, id: u32) -> &Material {
+        let material = self.material_ids.get(id as usize).copied().unwrap_or(0);
+        &self.materials[material as usize]
+    }
+}

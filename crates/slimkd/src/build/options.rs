@@ -1,0 +1,98 @@
+//! Everything that shapes a tree, and the named points of that space.
+
+use std::num::NonZeroUsize;
+use thiserror::Error;
+
+/// A named set of [`BuildOptions`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Preset {
+    /// Wald & Havran 2006 as in the paper: no T-reference, no collapse, 4-byte leaves only, file order.
+    Standard,
+    /// The paper's tree at (occupancy, frequency) = (0.9, 0.7).
+    PaperFast,
+    /// The paper's tree at (0.5, 0.4).
+    PaperSmall,
+}
+
+impl Preset {
+    /// All presets, in the order in which tables show them.
+    pub const ALL: &[Self] = &[Self::Standard, Self::PaperFast, Self::PaperSmall];
+
+    /// The name on the command line and in JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Standard => "standard",
+            Self::PaperFast => "paper-fast",
+            Self::PaperSmall => "paper-small",
+        }
+    }
+
+    /// The preset of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|preset| preset.name() == name)
+    }
+}
+
+impl Default for Preset {
+    fn default() -> Self {
+        Self::Standard
+    }
+}
+
+/// Costs of the surface area heuristic, in arbitrary common units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SahConstants {
+    /// Cost of one traversal step, K_T.
+    pub traversal: f32,
+    /// Cost of one ray-triangle test, K_I.
+    pub intersection: f32,
+    /// Factor on the cost of a split with an empty side: 1 is no bonus, smaller favours cutting off empty space.
+    pub empty_bonus: f32,
+}
+
+/// All knobs of a build. Start from a [`Preset`].
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct BuildOptions {
+    /// The preset that these options started from; a label, it changes nothing.
+    pub preset: Preset,
+    /// Constants of the surface area heuristic.
+    pub sah: SahConstants,
+    /// Threads to build with; `None` uses the current rayon pool. The tree is the same at any count.
+    pub threads: Option<NonZeroUsize>,
+}
+
+impl From<Preset> for BuildOptions {
+    fn from(preset: Preset) -> Self {
+        let sah = SahConstants { traversal: 15.0, intersection: 17.5, empty_bonus: 1.0 };
+        Self { preset, sah, threads: None }
+    }
+}
+
+impl Default for BuildOptions {
+    fn default() -> Self {
+        Preset::default().into()
+    }
+}
+
+/// Why a build ended without a tree.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// [`super::Progress::cancel`] was called: nothing is left behind, build again when wanted.
+    #[error("the build was cancelled")]
+    Cancelled,
+    /// A layout's field cannot address the tree: use a smaller preset, a higher traversal cost, or split the mesh.
+    #[error(
+        "the tree needs {needed} {what}, the layout holds {limit}; use a smaller preset or split the mesh"
+    )]
+    TooLarge {
+        /// What there is too much of.
+        what: &'static str,
+        /// How many the tree needs.
+        needed: u64,
+        /// How many fit.
+        limit: u64,
+    },
+}

@@ -1,0 +1,104 @@
+//! The indexed triangle mesh: 12 bytes a vertex and 12 bytes a triangle, nothing else.
+
+use super::Aabb;
+use thiserror::Error;
+
+/// Vertices and triangles, in the order of the input. A triangle's position in [`TriangleMesh::triangles`] is its
+/// public id. Not finite positions and collinear triangles are allowed: such triangles never hit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TriangleMesh {
+    vertices: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+}
+
+/// Why a mesh was refused.
+#[derive(Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// A corner points past the vertices: check the file's index base (OBJ counts from 1) or its vertex block.
+    #[error(
+        "triangle {triangle} uses vertex {vertex}, but there are {vertices} vertices; fix the index list"
+    )]
+    IndexOutOfRange {
+        /// The triangle's id.
+        triangle: usize,
+        /// The index that it holds.
+        vertex: u32,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// Ids are 32 bits and 0xFFFFFFFF means "miss": split the scene into several meshes.
+    #[error("{0} triangles or vertices are more than 32-bit ids can name; split the mesh")]
+    TooLarge(usize),
+}
+
+impl TriangleMesh {
+    /// Takes the buffers and checks every index.
+    ///
+    /// ```
+    /// use slimkd::TriangleMesh;
+    /// let mesh = TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+    /// assert_eq!(mesh.memory_bytes(), 3 * 12 + 12);
+    /// # Ok::<(), slimkd::MeshError>(())
+    /// ```
+    pub fn new(vertices: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
+        for count in [vertices.len(), triangles.len()] {
+            if count >= u32::MAX as usize {
+                return Err(MeshError::TooLarge(count));
+            }
+        }
+        let limit = vertices.len() as u32;
+        for (triangle, corners) in triangles.iter().enumerate() {
+            if let Some(&vertex) = corners.iter().find(|&&corner| corner >= limit) {
+                return Err(MeshError::IndexOutOfRange { triangle, vertex, vertices: vertices.len() });
+            }
+        }
+        Ok(Self { vertices, triangles })
+    }
+
+    /// Positions, scene units.
+    pub fn vertices(&self) -> &[[f32; 3]] {
+        &self.vertices
+    }
+
+    /// Vertex indices of each triangle; the position in this slice is the public id.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// Number of triangles, degenerate ones included.
+    pub fn len(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// True when there is no triangle at all.
+    pub fn is_empty(&self) -> bool {
+        self.triangles.is_empty()
+    }
+
+    /// The three corners of triangle `id`.
+    ///
+    /// # Panics
+    /// When `id` is not below [`TriangleMesh::len`].
+    #[inline]
+    pub fn corners(&self, id: u32) -> [[f32; 3]; 3] {
+        self.triangles[id as usize].map(|v| self.vertices[v as usize])
+    }
+
+    /// Bounds of all finite vertices that a triangle uses.
+    pub fn bounds(&self) -> Aabb {
+        let mut bounds = Aabb::EMPTY;
+        for id in 0..self.len() as u32 {
+            let corners = self.corners(id);
+            if corners.iter().flatten().all(|x| x.is_finite()) {
+                corners.into_iter().for_each(|corner| bounds.include(corner));
+            }
+        }
+        bounds
+    }
+
+    /// Bytes of the two buffers: 12 a vertex, 12 a triangle.
+    pub fn memory_bytes(&self) -> u64 {
+        12 * (self.vertices.len() as u64 + self.triangles.len() as u64)
+    }
+}
