@@ -2,10 +2,12 @@
 
 mod camera;
 mod light;
+mod load;
 mod material;
 mod scene;
 
 pub use camera::{Camera, UpAxis};
 pub use light::Light;
+pub use load::{Compression, FileKind, Format, LoadError, LoadProgress, Place, load, load_bytes};
 pub use material::{Material, Texture};
 pub use scene::{Attribute, Scene};

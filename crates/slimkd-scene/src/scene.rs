@@ -46,6 +46,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Which way is up; `None` when the format does not say.
     pub up: Option<UpAxis>,
+    /// What a file's loader left out or replaced, one line each: missing textures and the like.
+    pub warnings: Vec<String>,
 }
 
 impl Scene {

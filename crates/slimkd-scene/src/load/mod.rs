@@ -1,0 +1,142 @@
+//! Scene files: PLY, OBJ with MTL, STL, glTF and GLB, each also compressed by zstd or gzip.
+//!
+//! A file is read (and decompressed) into one buffer, then parsed in place. Whatever the bytes are, the answer is a
+//! scene or a [`LoadError`]: counts are checked against the bytes that are left before anything is allocated, and
+//! content that is out of proportion to its file is refused. Triangle ids are face order; a polygon of k corners is a
+//! fan of k − 2 consecutive triangles, and degenerate triangles keep their ids.
+
+mod error;
+mod ply;
+mod progress;
+mod source;
+
+pub use error::{LoadError, Place};
+pub use progress::LoadProgress;
+pub use source::Compression;
+
+use crate::{Material, Scene};
+use source::Folder;
+use std::{fmt, path::Path};
+
+/// A file format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// Stanford PLY: text, or binary of either byte order.
+    Ply,
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Ply => "PLY",
+        })
+    }
+}
+
+/// A file format and how it is compressed.
+///
+/// ```
+/// use slimkd_scene::{Compression, FileKind, Format};
+/// let kind = FileKind::of("hospital.PLY.zst".as_ref());
+/// assert_eq!(kind, Some(FileKind { format: Format::Ply, compression: Compression::Zstd }));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct FileKind {
+    /// The format once decompressed.
+    pub format: Format,
+    /// How it is compressed.
+    pub compression: Compression,
+}
+
+impl FileKind {
+    /// What the name's endings say, in any case; `None` when they are none that is known.
+    pub fn of(path: &Path) -> Option<Self> {
+        let outer = source::extension(path)?;
+        let compression = match outer.as_str() {
+            "zst" => Compression::Zstd,
+            "gz" => Compression::Gzip,
+            _ => Compression::None,
+        };
+        let inner = match compression {
+            Compression::None => outer,
+            _ => source::extension(Path::new(path.file_stem()?))?,
+        };
+        let format = match inner.as_str() {
+            "ply" => Format::Ply,
+            _ => return None,
+        };
+        Some(Self { format, compression })
+    }
+}
+
+impl From<Format> for FileKind {
+    fn from(format: Format) -> Self {
+        Self { format, compression: Compression::None }
+    }
+}
+
+/// Loads a scene file; its kind is told by the name's endings, see [`FileKind::of`].
+///
+/// ```no_run
+/// let scene = slimkd_scene::load("hospital.ply.zst".as_ref(), &slimkd_scene::LoadProgress::new())?;
+/// println!("{} triangles", scene.mesh.len());
+/// # Ok::<(), slimkd_scene::LoadError>(())
+/// ```
+pub fn load(path: &Path, progress: &LoadProgress) -> Result<Scene, LoadError> {
+    progress.reach(0.0)?;
+    let kind = FileKind::of(path);
+    if kind.is_none() && path.is_dir() {
+        return Err(LoadError::NotAFile { path: path.to_owned() });
+    }
+    let kind = kind.ok_or_else(|| LoadError::UnknownFormat { path: path.to_owned() })?;
+    let bytes = source::read(path, kind.compression, progress)?;
+    let mut scene =
+        parse(kind.format, &bytes, Folder(Some(path.parent().unwrap_or(Path::new("")))), progress)?;
+    let stem = path.file_stem().map(Path::new);
+    let stem = if kind.compression == Compression::None {
+        stem
+    } else {
+        stem.and_then(|s| s.file_stem()).map(Path::new)
+    };
+    scene.name = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    Ok(scene)
+}
+
+/// Loads a scene from memory. Files that it names (materials, textures, buffers) count as missing.
+///
+/// ```
+/// use slimkd_scene::{Format, load_bytes};
+/// let ply = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+///     element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+/// assert_eq!(load_bytes(Format::Ply, ply)?.mesh.triangles(), [[0, 1, 2]]);
+/// # Ok::<(), slimkd_scene::LoadError>(())
+/// ```
+pub fn load_bytes(kind: impl Into<FileKind>, bytes: &[u8]) -> Result<Scene, LoadError> {
+    let (kind, progress) = (kind.into(), LoadProgress::new());
+    match kind.compression {
+        Compression::None => parse(kind.format, bytes, Folder(None), &progress),
+        compression => {
+            parse(kind.format, &source::decompress(compression, bytes, &progress)?, Folder(None), &progress)
+        }
+    }
+}
+
+fn parse(
+    format: Format,
+    bytes: &[u8],
+    _folder: Folder<'_>,
+    progress: &LoadProgress,
+) -> Result<Scene, LoadError> {
+    if bytes.is_empty() {
+        return Err(LoadError::Empty);
+    }
+    progress.reach(progress::READ_SHARE)?;
+    let mut scene = match format {
+        Format::Ply => ply::parse(bytes, progress),
+    }?;
+    if scene.materials.is_empty() {
+        scene.materials.push(Material::default());
+    }
+    progress.reach(1.0)?;
+    Ok(scene)
+}
