@@ -1,0 +1,192 @@
+//! The picture in memory, and its files.
+
+use crate::tone::Development;
+use glam::Vec3;
+use image::{ImageBuffer, ImageFormat, Rgb};
+use std::io::{BufWriter, Seek, Write};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Linear RGB (sRGB primaries), rows from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    width: u32,
+    height: u32,
+    pixels: Vec<[f32; 3]>,
+}
+
+/// Bits per channel of a PNG.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BitDepth {
+    /// 8 bits.
+    #[default]
+    Eight,
+    /// 16 bits.
+    Sixteen,
+}
+
+/// Why a picture was not written.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum FilmError {
+    /// The file name does not say which format: end it in `.png` or `.exr`.
+    #[error("{}: unknown picture format; end the name in .png or .exr", .0.display())]
+    UnknownFormat(PathBuf),
+    /// The file cannot be written: see the reason, and choose another place.
+    #[error("{}: cannot write the picture: {reason}; choose a folder that exists and is writable", path.display())]
+    Write {
+        /// The target.
+        path: PathBuf,
+        /// What the system or the encoder said.
+        reason: String,
+    },
+    /// The picture's size is zero or more than memory holds: ask for fewer pixels.
+    #[error("a picture of {width} x {height} pixels cannot be held; ask for at least 1 x 1 and fewer pixels")]
+    Size {
+        /// Pixels.
+        width: u32,
+        /// Pixels.
+        height: u32,
+    },
+}
+
+impl Film {
+    /// A black film.
+    pub fn new(width: u32, height: u32) -> Result<Self, FilmError> {
+        let error = || FilmError::Size { width, height };
+        let count = (width as usize).checked_mul(height as usize).filter(|&n| n > 0).ok_or_else(error)?;
+        let mut pixels = Vec::new();
+        pixels.try_reserve_exact(count).map_err(|_| error())?;
+        pixels.resize(count, [0.0; 3]);
+        Ok(Self { width, height, pixels })
+    }
+
+    /// Width, pixels.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height, pixels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Linear RGB, rows from the top.
+    pub fn pixels(&self) -> &[[f32; 3]] {
+        &self.pixels
+    }
+
+    /// The same, to change.
+    pub fn pixels_mut(&mut self) -> &mut [[f32; 3]] {
+        &mut self.pixels
+    }
+
+    /// The colour at column `x`, row `y`.
+    ///
+    /// # Panics
+    /// Outside the picture.
+    pub fn pixel(&self, x: u32, y: u32) -> Vec3 {
+        assert!(x < self.width && y < self.height, "pixel {x}, {y} of {} x {}", self.width, self.height);
+        self.pixels[y as usize * self.width as usize + x as usize].into()
+    }
+
+    /// The developed picture, sRGB bytes, rows from the top.
+    pub fn to_srgb8(&self, development: &Development) -> Vec<u8> {
+        self.developed(development, 255.0).map(|x| x as u8).collect()
+    }
+
+    fn developed(&self, development: &Development, scale: f32) -> impl Iterator<Item = f32> {
+        let development = *development;
+        self.pixels
+            .iter()
+            .flat_map(move |&pixel| (development.develop(pixel.into()) * scale).round().to_array())
+    }
+
+    /// Refuses a name that [`Film::save`] would refuse, so that it is known before the work.
+    pub fn check_format(path: &Path) -> Result<(), FilmError> {
+        FileFormat::of(path).map(|_| ())
+    }
+
+    /// Writes the picture; the name's end says how: `.png` is developed to sRGB, `.exr` keeps the linear light and
+    /// ignores development and depth. It appears under its name only once it is whole.
+    pub fn save(&self, path: &Path, development: &Development, depth: BitDepth) -> Result<(), FilmError> {
+        let format = FileFormat::of(path)?;
+        let fail = |reason: String| FilmError::Write { path: path.to_owned(), reason };
+        if path.is_dir() {
+            return Err(fail("it is a folder".into()));
+        }
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".slimkd-").suffix(".part");
+        #[cfg(unix)]
+        {
+            // As any new file: the process's mask applies. The default of temporary files is private.
+            use std::os::unix::fs::PermissionsExt;
+            builder.permissions(std::fs::Permissions::from_mode(0o666));
+        }
+        let mut file = builder.tempfile_in(folder).map_err(|e| fail(e.to_string()))?;
+        let mut to = BufWriter::new(file.as_file_mut());
+        match format {
+            FileFormat::Png => self.write_png(&mut to, development, depth),
+            FileFormat::Exr => self.write_exr(&mut to),
+        }
+        .and_then(|()| to.flush().map_err(|e| e.to_string()))
+        .map_err(fail)?;
+        drop(to);
+        file.persist(path).map(|_| ()).map_err(|e| fail(e.error.to_string()))
+    }
+
+    /// Encodes a PNG.
+    fn write_png(
+        &self,
+        to: &mut (impl Write + Seek),
+        development: &Development,
+        depth: BitDepth,
+    ) -> Result<(), String> {
+        let too_large = || "too many pixels for a PNG".to_owned();
+        match depth {
+            BitDepth::Eight => {
+                let bytes = self.to_srgb8(development);
+                let picture = ImageBuffer::<Rgb<u8>, _>::from_raw(self.width, self.height, bytes);
+                picture.ok_or_else(too_large)?.write_to(to, ImageFormat::Png)
+            }
+            BitDepth::Sixteen => {
+                let words: Vec<u16> = self.developed(development, 65535.0).map(|x| x as u16).collect();
+                let picture = ImageBuffer::<Rgb<u16>, _>::from_raw(self.width, self.height, words);
+                picture.ok_or_else(too_large)?.write_to(to, ImageFormat::Png)
+            }
+        }
+        .map_err(|e| e.to_string())
+    }
+
+    /// Encodes an OpenEXR picture, 32-bit floats, losslessly compressed.
+    fn write_exr(&self, to: &mut (impl Write + Seek)) -> Result<(), String> {
+        use exr::prelude::*;
+        let size = (self.width as usize, self.height as usize);
+        let width = size.0;
+        let pixel = |at: Vec2<usize>| {
+            let [r, g, b] = self.pixels[at.y() * width + at.x()];
+            (r, g, b)
+        };
+        Image::from_channels(size, SpecificChannels::rgb(pixel))
+            .write()
+            .to_buffered(to)
+            .map_err(|e| e.to_string())
+    }
+}
+
+/// Formats of [`Film::save`].
+enum FileFormat {
+    Png,
+    Exr,
+}
+
+impl FileFormat {
+    fn of(path: &Path) -> Result<Self, FilmError> {
+        match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+            Some("png") => Ok(Self::Png),
+            Some("exr") => Ok(Self::Exr),
+            _ => Err(FilmError::UnknownFormat(path.to_owned())),
+        }
+    }
+}
