@@ -1,2 +1,58 @@
-//! The slimkd command.
-fn main() {}
+//! The slimkd command: build, inspect, render, trace and measure small kd-trees.
+//!
+//! Results go to stdout, everything else to stderr. Exit status: 0 done, 1 the work failed, 2 wrong usage, 130
+//! interrupted; a broken pipe is 0.
+
+mod allocator;
+mod args;
+mod cameras;
+mod commands;
+mod failure;
+mod interrupt;
+mod output;
+mod ply;
+mod rays;
+mod report;
+mod scenes;
+mod trees;
+mod ui;
+
+use args::{Cli, Command};
+use clap::Parser;
+use failure::Failure;
+use std::io::Write;
+use std::process::ExitCode;
+use ui::Ui;
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help that nobody reads is no failure.
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
+        }
+    };
+    interrupt::listen();
+    let Err(mut failure) = run(&cli) else { return ExitCode::SUCCESS };
+    if interrupt::pending() {
+        // Whatever a cancelled library call said, this is the reason.
+        failure = Failure::Interrupted;
+    }
+    if !matches!(failure, Failure::BrokenPipe) {
+        let _ = writeln!(std::io::stderr(), "slimkd: error: {failure}");
+    }
+    ExitCode::from(failure.status())
+}
+
+fn run(cli: &Cli) -> Result<(), Failure> {
+    let ui = Ui::new(cli.quiet);
+    match &cli.command {
+        Command::Render(args) => commands::render::run(args, ui),
+        Command::Build(args) => commands::build::run(args, ui),
+        Command::Inspect(args) => commands::inspect::run(args, ui),
+        Command::Trace(args) => commands::trace::run(args, ui),
+        Command::Scene(args) => commands::scene::run(args, ui),
+        Command::Completions(args) => commands::completions::run(args),
+    }
+}

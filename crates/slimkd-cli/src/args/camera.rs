@@ -1,0 +1,106 @@
+//! From where a scene is seen.
+
+use clap::{Args, ValueEnum};
+use glam::Vec3;
+use slimkd_scene::{Camera, UpAxis};
+use std::str::FromStr;
+
+/// Vertical field of view of a `--camera` that names none, degrees.
+const DEFAULT_FOV: f32 = 60.0;
+
+/// One view.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "View")]
+pub(crate) struct CameraArgs {
+    /// Which of the scene's three views: the file's cameras, else views found by looking around
+    #[arg(long, value_name = "1..3", value_parser = clap::value_parser!(u8).range(1..=3), conflicts_with = "camera")]
+    pub(crate) view: Option<u8>,
+    /// Eye, target and vertical field of view in degrees (60 unless given), in the scene's units
+    #[arg(long, value_name = "ex,ey,ez,tx,ty,tz[,fov]", allow_hyphen_values = true)]
+    camera: Option<RawCamera>,
+    /// Which axis points up; what the file says unless given, else y
+    #[arg(long, value_enum)]
+    up: Option<Up>,
+}
+
+impl CameraArgs {
+    /// Up as given.
+    pub(crate) fn up(&self) -> Option<UpAxis> {
+        self.up.map(|up| match up {
+            Up::X => UpAxis::X,
+            Up::Y => UpAxis::Y,
+            Up::Z => UpAxis::Z,
+        })
+    }
+
+    /// The camera as given.
+    pub(crate) fn camera(&self, up: UpAxis) -> Option<Camera> {
+        self.camera.map(|RawCamera { eye, target, fov }| Camera { eye, target, up: up.vector(), fov })
+    }
+}
+
+/// An axis.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Up {
+    X,
+    Y,
+    Z,
+}
+
+/// What `--camera` says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct RawCamera {
+    eye: Vec3,
+    target: Vec3,
+    fov: f32,
+}
+
+impl FromStr for RawCamera {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text.split(',').map(|part| part.trim().parse::<f32>().ok().filter(|x| x.is_finite()));
+        let numbers = numbers.collect::<Option<Vec<_>>>().unwrap_or_default();
+        let (place, fov) = match numbers[..] {
+            [ex, ey, ez, tx, ty, tz] => ([ex, ey, ez, tx, ty, tz], DEFAULT_FOV),
+            [ex, ey, ez, tx, ty, tz, fov] => ([ex, ey, ez, tx, ty, tz], fov),
+            _ => {
+                return Err("expected 6 or 7 numbers with commas between: ex,ey,ez,tx,ty,tz[,fov]".to_owned());
+            }
+        };
+        let camera = Self { eye: Vec3::from_slice(&place[..3]), target: Vec3::from_slice(&place[3..]), fov };
+        if camera.eye == camera.target {
+            return Err("eye and target are the same point; move one of them".to_owned());
+        }
+        if !(fov > 0.0 && fov < 180.0) {
+            return Err("the field of view must lie between 0 and 180 degrees".to_owned());
+        }
+        Ok(camera)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cameras() {
+        let camera: RawCamera = "-400,-600,300, 100,0,20,55".parse().unwrap();
+        assert_eq!(
+            (camera.eye, camera.target, camera.fov),
+            (Vec3::new(-400.0, -600.0, 300.0), Vec3::new(100.0, 0.0, 20.0), 55.0)
+        );
+        assert_eq!("0,0,0,1,0,0".parse::<RawCamera>().unwrap().fov, DEFAULT_FOV);
+        for wrong in [
+            "",
+            "1,2,3",
+            "0,0,0,0,0,0",
+            "0,0,0,1,0,0,0",
+            "0,0,0,1,0,0,180",
+            "0,0,0,1,0,nan",
+            "0,0,0,1,0,0,60,1",
+        ] {
+            assert!(wrong.parse::<RawCamera>().is_err(), "{wrong}");
+        }
+    }
+}

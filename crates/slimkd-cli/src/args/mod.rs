@@ -1,0 +1,54 @@
+//! The command line as it is written; each group of options turns into what the library takes.
+
+mod camera;
+mod parse;
+mod scene;
+mod tree;
+
+pub(crate) use camera::CameraArgs;
+pub(crate) use parse::{Size, triangles};
+pub(crate) use scene::SceneArgs;
+pub(crate) use tree::{Kind, TreeArgs};
+
+use crate::commands;
+use clap::{Parser, Subcommand};
+
+/// Ray tracing of large static triangle scenes with a small and fast SAH kd-tree.
+#[derive(Debug, Parser)]
+#[command(name = "slimkd", version, arg_required_else_help = true, after_help = EXAMPLES)]
+pub(crate) struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    /// Print errors only
+    #[arg(long, short, global = true)]
+    pub(crate) quiet: bool,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  slimkd render                                a picture of the built-in kitchen, and how small its tree gets
+  slimkd render model.glb -o model.png
+  slimkd build building.ply.zst --preset standard
+  slimkd inspect building.ply.zst --json
+  slimkd scene --list
+
+SCENE is a file (.ply .obj .stl .gltf .glb, each also with .zst or .gz behind it) or the name of a built-in scene.
+Exit status: 0 done, 1 the work failed, 2 wrong usage, 130 interrupted.";
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Render a scene to a picture
+    Render(commands::render::RenderArgs),
+    /// Build a tree, report its size and shape, and save it if asked to
+    Build(commands::build::BuildArgs),
+    /// Report the size and shape of a scene's tree or of a saved one, in more detail
+    Inspect(commands::inspect::InspectArgs),
+    /// Trace rays from a file and write their hits to another
+    Trace(commands::trace::TraceArgs),
+    /// List the built-in scenes, or write one as a PLY file
+    Scene(commands::scene::SceneCommandArgs),
+    /// Print a completion script for a shell
+    Completions(commands::completions::CompletionsArgs),
+}

@@ -1,0 +1,78 @@
+//! Values of options, parsed and checked.
+
+use std::num::{NonZeroU32, NonZeroUsize};
+use std::str::FromStr;
+
+/// Most threads that may be asked for: beyond any machine, below what exhausts it.
+const MAX_THREADS: usize = 1024;
+/// Most triangles of a built-in scene: about 10 GiB of scene, the most that one should start by mistake.
+const MAX_TRIANGLES: u32 = 100_000_000;
+/// Longest edge of a picture, pixels: 16384² × 3 × 4 B is 3 GiB, the most that one should start by mistake.
+const MAX_EDGE: u32 = 16_384;
+
+/// A thread count.
+pub(crate) fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    match text.parse() {
+        Ok(count) if (1..=MAX_THREADS).contains(&count) => {
+            Ok(NonZeroUsize::new(count).unwrap_or(NonZeroUsize::MIN))
+        }
+        _ => Err(format!("expected a number from 1 to {MAX_THREADS}")),
+    }
+}
+
+/// A number of triangles to generate.
+pub(crate) fn triangles(text: &str) -> Result<NonZeroU32, String> {
+    match text.parse() {
+        Ok(count) if (1..=MAX_TRIANGLES).contains(&count) => NonZeroU32::new(count).ok_or_else(String::new),
+        _ => Err(format!("expected a number from 1 to {MAX_TRIANGLES}")),
+    }
+}
+
+/// Width and height of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Size {
+    /// Pixels.
+    pub(crate) width: u32,
+    /// Pixels.
+    pub(crate) height: u32,
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let edge = |text: &str| text.parse().ok().filter(|edge| (1..=MAX_EDGE).contains(edge));
+        text.split_once(['x', 'X'])
+            .and_then(|(width, height)| Some(Self { width: edge(width)?, height: edge(height)? }))
+            .ok_or_else(|| format!("expected WIDTHxHEIGHT such as 1024x1024, each from 1 to {MAX_EDGE}"))
+    }
+}
+
+/// A finite number above zero.
+pub(super) fn positive(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
+        _ => Err("expected a number above 0".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes() {
+        assert_eq!("640x480".parse(), Ok(Size { width: 640, height: 480 }));
+        for wrong in ["640", "640x", "x480", "0x1", "1x99999", "-1x1", "1x1x1", ""] {
+            assert!(wrong.parse::<Size>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn numbers_out_of_range_are_refused() {
+        assert_eq!(threads("3").unwrap().get(), 3);
+        assert!(["0", "-1", "x", "99999999"].iter().all(|text| threads(text).is_err()));
+        assert_eq!(positive("0.8"), Ok(0.8));
+        assert!(["0", "-1", "nan", "inf", "x"].iter().all(|text| positive(text).is_err()));
+    }
+}

@@ -1,0 +1,17 @@
+//! Which scene.
+
+use super::parse::triangles;
+use clap::Args;
+use std::num::NonZeroU32;
+use std::path::PathBuf;
+
+/// A scene that must be named.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct SceneArgs {
+    /// A scene file, or a built-in scene's name (`slimkd scene --list`)
+    #[arg(value_name = "SCENE")]
+    pub(crate) scene: PathBuf,
+    /// How many triangles a built-in scene gets
+    #[arg(long, value_name = "N", value_parser = triangles)]
+    pub(crate) triangles: Option<NonZeroU32>,
+}

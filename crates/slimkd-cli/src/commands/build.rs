@@ -1,0 +1,52 @@
+//! `slimkd build`: a tree, its size and shape, and its file.
+
+use crate::args::{SceneArgs, TreeArgs};
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::report::Report;
+use crate::{scenes, trees, ui, ui::Ui};
+use clap::Args;
+use slimkd::tree::FileError;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  slimkd build sponza.obj
+  slimkd build building.ply.zst --preset paper-small -o building.skd
+  slimkd build kitchen --triangles 1000000 --threads 1 --json";
+
+/// Arguments of `slimkd build`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct BuildArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    tree: TreeArgs,
+    /// Save the tree, with its mesh
+    #[arg(short, long, value_name = "tree.skd")]
+    output: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Builds, reports, saves.
+pub(crate) fn run(args: &BuildArgs, ui: Ui) -> Result<(), Failure> {
+    let output = args.output.as_deref().map(Output::prepare).transpose()?;
+    let loaded = scenes::load(&args.scene.scene, args.scene.triangles, ui)?;
+    let scene = &loaded.scene;
+    let tree = trees::build(&scene.name, &scene.mesh, loaded.seconds, &args.tree.options(), ui)?;
+    trees::warn_of_degenerate(&tree.statistics, ui);
+    if let Some(output) = output {
+        let mut draft = output.draft()?;
+        tree.tree.write(&mut draft).map_err(|error| match error {
+            FileError::Io(error) => crate::output::unwritable(output.path(), &error),
+            other => Failure::at(output.path(), other),
+        })?;
+        draft.commit()?;
+        ui.note(format_args!("wrote {}", output.path().display()));
+    }
+    let report = Report::new(&tree, args.tree.threads);
+    if args.json { ui::print_json(&report) } else { ui::print(&report.table(&tree)) }
+}

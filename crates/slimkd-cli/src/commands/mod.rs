@@ -1,0 +1,8 @@
+//! One file a command.
+
+pub(crate) mod build;
+pub(crate) mod completions;
+pub(crate) mod inspect;
+pub(crate) mod render;
+pub(crate) mod scene;
+pub(crate) mod trace;

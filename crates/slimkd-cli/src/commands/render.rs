@@ -1,0 +1,227 @@
+//! `slimkd render`: a picture of a scene.
+
+use crate::args::{CameraArgs, Size, TreeArgs, triangles};
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::trees::{self, Tree};
+use crate::ui::{Ui, Watched, bytes, grouped};
+use crate::{cameras, interrupt, scenes, ui};
+use clap::{Args, ValueEnum};
+use slimkd::Preset;
+use slimkd_render::{
+    BitDepth, Development, Film, RenderError, RenderProgress, RenderSettings, ToneMap, render,
+};
+use slimkd_scene::{Camera, Scene};
+use std::fmt::Write;
+use std::num::NonZeroU32;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// What is rendered when nothing is named.
+const DEFAULT_SCENE: &str = "kitchen";
+
+const EXAMPLES: &str = "\
+Examples:
+  slimkd render
+  slimkd render model.glb -o model.png --size 1920x1080 --spp 16
+  slimkd render building.ply.zst --up z --view 2 -o building.png
+  slimkd render bart.ply --camera 1.05,1.14,1.36,0.97,1.12,1.32,40 --up z -o bart.exr";
+
+/// Arguments of `slimkd render`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct RenderArgs {
+    /// A scene file or a built-in scene's name; without it, the built-in kitchen and its tree's size under each preset
+    #[arg(value_name = "SCENE")]
+    scene: Option<PathBuf>,
+    /// How many triangles a built-in scene gets
+    #[arg(long, value_name = "N", value_parser = triangles)]
+    triangles: Option<NonZeroU32>,
+    /// The picture: .png, or .exr for linear light
+    #[arg(short, long, value_name = "out.png", default_value = "out.png")]
+    output: PathBuf,
+    #[command(flatten)]
+    tree: TreeArgs,
+    #[command(flatten)]
+    camera: CameraArgs,
+    #[command(flatten)]
+    picture: PictureArgs,
+}
+
+/// Size and quality of a picture.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Picture")]
+struct PictureArgs {
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", default_value = "1024x1024")]
+    size: Size,
+    /// Samples per pixel
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    spp: u32,
+    /// How often a ray may be mirrored or refracted
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(0..=64))]
+    bounces: u32,
+    /// Ambient occlusion rays per visible point; 0 is none
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
+    occlusion: u32,
+    /// Stops by which a .png is made brighter, or darker if negative
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
+    exposure: f32,
+    /// How bright light is folded into what a .png can show
+    #[arg(long, value_enum, default_value_t = Tone::Neutral)]
+    tone: Tone,
+    /// Bits per channel of a .png
+    #[arg(long, value_enum, default_value_t = Bits::Eight)]
+    bits: Bits,
+}
+
+/// A tone map.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Tone {
+    /// Cut off
+    Clamp,
+    /// Reinhard's curve on luminance
+    Reinhard,
+    /// Khronos PBR Neutral
+    Neutral,
+}
+
+/// Bits per channel.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Bits {
+    #[value(name = "8")]
+    Eight,
+    #[value(name = "16")]
+    Sixteen,
+}
+
+impl PictureArgs {
+    fn settings(&self, threads: Option<std::num::NonZeroUsize>) -> RenderSettings {
+        let mut settings = RenderSettings::sized(self.size.width, self.size.height);
+        settings.samples = self.spp;
+        settings.max_depth = self.bounces;
+        settings.occlusion = self.occlusion;
+        settings.threads = threads;
+        settings
+    }
+
+    fn development(&self) -> Development {
+        let tone_map = match self.tone {
+            Tone::Clamp => ToneMap::Clamp,
+            Tone::Reinhard => ToneMap::Reinhard,
+            Tone::Neutral => ToneMap::Neutral,
+        };
+        Development { exposure: self.exposure, tone_map }
+    }
+
+    fn depth(&self) -> BitDepth {
+        match self.bits {
+            Bits::Eight => BitDepth::Eight,
+            Bits::Sixteen => BitDepth::Sixteen,
+        }
+    }
+}
+
+impl Watched for RenderProgress {
+    fn fraction(&self) -> f64 {
+        self.fraction()
+    }
+
+    fn cancel(&self) {
+        self.cancel();
+    }
+}
+
+/// Builds, renders, writes.
+pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
+    Film::check_format(&args.output).map_err(Failure::work)?;
+    let output = Output::prepare(&args.output)?;
+    let scene = args.scene.as_deref().unwrap_or(Path::new(DEFAULT_SCENE));
+    let mut loaded = scenes::load(scene, args.triangles, ui)?;
+    loaded.scene.up = args.camera.up().or(loaded.scene.up);
+    let tree = if args.scene.is_some() {
+        let options = args.tree.options();
+        trees::build(&loaded.scene.name, &loaded.scene.mesh, loaded.seconds, &options, ui)?
+    } else {
+        compare_presets(&loaded, args, ui)?
+    };
+    trees::warn_of_degenerate(&tree.statistics, ui);
+
+    let camera = first_view(&args.camera, &loaded.scene, &tree)?;
+    let (progress, started) = (RenderProgress::new(), Instant::now());
+    let settings = args.picture.settings(args.tree.threads);
+    let film = ui
+        .watch("render", &progress, || {
+            render(&loaded.scene, &tree.tree, &camera, &loaded.scene.lights, &settings, &progress)
+        })
+        .map_err(|error| match error {
+            RenderError::Cancelled => Failure::Interrupted,
+            RenderError::Camera(error) => {
+                Failure::work(format_args!("{}: {error} (--camera, --up)", loaded.scene.name))
+            }
+            other => Failure::work(format_args!("{}: {other}", loaded.scene.name)),
+        })?;
+    let seconds = started.elapsed().as_secs_f64();
+    interrupt::check()?;
+    film.save(output.path(), &args.picture.development(), args.picture.depth()).map_err(Failure::work)?;
+    ui.note(format_args!(
+        "wrote {}: {} x {}, {} rays in {seconds:.2} s",
+        args.output.display(),
+        film.width(),
+        film.height(),
+        grouped(progress.statistics().total())
+    ));
+    Ok(())
+}
+
+fn first_view(args: &CameraArgs, scene: &Scene, tree: &Tree) -> Result<Camera, Failure> {
+    cameras::choose(args, scene, &tree.tree)?.into_iter().next().ok_or_else(|| {
+        Failure::work(format_args!("{}: found no view of it; give one with --camera", scene.name))
+    })
+}
+
+/// Builds the scene's tree under every preset, one after the other, shows how large each is, and keeps the one that
+/// was asked for.
+fn compare_presets(loaded: &scenes::Loaded, args: &RenderArgs, ui: Ui) -> Result<Tree, Failure> {
+    let chosen = args.tree.preset.unwrap_or_default();
+    let scene = &loaded.scene;
+    let (mut kept, mut sizes) = (None, Vec::new());
+    for &preset in Preset::ALL {
+        let options = args.tree.tuning.options(preset, args.tree.threads);
+        let tree = trees::build(&scene.name, &scene.mesh, loaded.seconds, &options, ui)?;
+        let nodes = &tree.statistics.nodes;
+        let nodes = nodes.inner + nodes.t_inner + nodes.leaf;
+        sizes.push((preset, nodes, tree.statistics.references(), tree.tree.memory().tree()));
+        if preset == chosen {
+            kept = Some(tree);
+        }
+    }
+    if !ui.is_quiet() {
+        ui::print(&size_table(scene, &sizes))?;
+    }
+    kept.ok_or_else(|| Failure::Usage(format!("preset {} is not among those compared", chosen.name())))
+}
+
+fn size_table(scene: &Scene, sizes: &[(Preset, u64, u64, u64)]) -> String {
+    let triangles = scene.mesh.len() as u64;
+    let standard = sizes.iter().find(|size| size.0 == Preset::Standard).map_or(0, |size| size.3);
+    let mut out = format!("{}: {} triangles\n", scene.name, grouped(triangles));
+    let _ = writeln!(
+        out,
+        "{:<12} {:>12} {:>12} {:>11} {:>11} {:>13}",
+        "preset", "nodes", "references", "bytes", "B/triangle", "% of standard"
+    );
+    for &(preset, nodes, references, size) in sizes {
+        let _ = writeln!(
+            out,
+            "{:<12} {:>12} {:>12} {:>11} {:>11.2} {:>13.1}",
+            preset.name(),
+            grouped(nodes),
+            grouped(references),
+            bytes(size),
+            size as f64 / triangles.max(1) as f64,
+            100.0 * size as f64 / standard.max(1) as f64
+        );
+    }
+    out
+}

@@ -1,0 +1,156 @@
+//! `slimkd trace`: rays from a file, hits to a file, a batch at a time.
+
+use crate::args::{Kind, SceneArgs, TreeArgs};
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::output::{Output, unwritable};
+use crate::rays::{BATCH, RayFile, encode_any, encode_closest};
+use crate::ui::{Ui, Watched, grouped};
+use clap::{Args, ValueEnum};
+use rayon::prelude::*;
+use slimkd::{KdTree, Ray};
+use std::io::Write;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::time::Instant;
+
+/// Rays that a thread takes at a time: long enough to hide the cost of sharing out, short enough to even out.
+const CHUNK: usize = 1024;
+
+const EXAMPLES: &str = "\
+Examples:
+  slimkd trace building.ply.zst --rays rays.f32 --out hits.bin
+  slimkd trace building.skd --rays rays.f32 --out hits.bin --kind any --threads 4
+
+Rays: little-endian f32 x 8 each, ox oy oz t_min dx dy dz t_max.
+Hits: 16 bytes each, t f32 (+inf on a miss), triangle u32 (0xFFFFFFFF on a miss), u f32, v f32;
+with --kind any, t is 0 on a hit and only \"hit or not\" counts.";
+
+/// Arguments of `slimkd trace`. SCENE may also be a saved tree.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct TraceArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    tree: TreeArgs,
+    /// The rays to trace
+    #[arg(long, value_name = "rays.f32")]
+    rays: PathBuf,
+    /// Where the hits go, in the order of the rays
+    #[arg(long, value_name = "hits.bin")]
+    out: PathBuf,
+    /// What is asked of each ray
+    #[arg(long, value_enum, default_value_t = Kind::Closest)]
+    kind: Kind,
+    /// How rays are traced; the hits are the same with all
+    #[arg(long, value_enum, default_value_t = Kernel::Single)]
+    kernel: Kernel,
+}
+
+/// A traversal kernel. All give the same hits, so a choice that has no kernel of its own in this version traces ray
+/// by ray, and a note says so.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Kernel {
+    /// Ray by ray
+    Single,
+    /// Packets of neighbouring rays
+    Packet,
+    /// Large batches, sorted
+    Stream,
+}
+
+/// Traces the file.
+pub(crate) fn run(args: &TraceArgs, ui: Ui) -> Result<(), Failure> {
+    let output = Output::prepare(&args.out)?;
+    let mut input = RayFile::open(&args.rays)?;
+    let tree = crate::trees::read_or_build(&args.scene.scene, args.scene.triangles, &args.tree, ui)?;
+    if args.kernel != Kernel::Single {
+        ui.note("this version traces ray by ray whatever --kernel says; the hits are the same");
+    }
+    let pool = crate::trees::pool(crate::trees::thread_count(args.tree.threads))?;
+    let progress = Progress { total: input.count().unwrap_or(0), ..Progress::default() };
+    let started = Instant::now();
+    ui.watch("trace", &progress, || {
+        let mut draft = output.draft()?;
+        let mut buffers = Buffers::default();
+        loop {
+            interrupt::check()?;
+            input.next_batch(&mut buffers.rays)?;
+            if buffers.rays.is_empty() {
+                return draft.commit();
+            }
+            let hits = pool.install(|| buffers.trace(&tree.tree, args.kind));
+            let bytes = buffers.records.as_flattened();
+            draft.write_all(bytes).map_err(|error| unwritable(output.path(), &error))?;
+            progress.rays.fetch_add(buffers.rays.len() as u64, Relaxed);
+            progress.hits.fetch_add(hits, Relaxed);
+        }
+    })?;
+    let (rays, hits) = (progress.rays.into_inner(), progress.hits.into_inner());
+    let seconds = started.elapsed().as_secs_f64();
+    ui.note(format_args!(
+        "{} rays, {} hits ({:.1} %), {seconds:.2} s; wrote {}",
+        grouped(rays),
+        grouped(hits),
+        100.0 * hits as f64 / rays.max(1) as f64,
+        args.out.display()
+    ));
+    Ok(())
+}
+
+/// One batch on its way through.
+#[derive(Default)]
+struct Buffers {
+    rays: Vec<Ray>,
+    records: Vec<[u8; 16]>,
+}
+
+impl Buffers {
+    /// Fills the records of the batch's rays; returns how many hit.
+    fn trace(&mut self, tree: &KdTree, kind: Kind) -> u64 {
+        debug_assert!(self.rays.len() <= BATCH);
+        self.records.resize(self.rays.len(), [0; 16]);
+        let chunks = self.rays.par_chunks(CHUNK).zip(self.records.par_chunks_mut(CHUNK));
+        chunks.map(|(rays, records)| trace_chunk(tree, kind, rays, records)).sum()
+    }
+}
+
+fn trace_chunk(tree: &KdTree, kind: Kind, rays: &[Ray], records: &mut [[u8; 16]]) -> u64 {
+    let mut found = 0;
+    match kind {
+        Kind::Closest => {
+            let mut hits = [None; CHUNK];
+            tree.closest_hits(rays, &mut hits[..rays.len()]);
+            for (record, hit) in records.iter_mut().zip(hits) {
+                found += u64::from(hit.is_some());
+                *record = encode_closest(hit);
+            }
+        }
+        Kind::Any => {
+            let mut hits = [false; CHUNK];
+            tree.any_hits(rays, &mut hits[..rays.len()]);
+            for (record, hit) in records.iter_mut().zip(hits) {
+                found += u64::from(hit);
+                *record = encode_any(hit);
+            }
+        }
+    }
+    found
+}
+
+/// How far the file has been traced. Ctrl-C is looked at between batches, so there is nothing to cancel.
+#[derive(Default)]
+struct Progress {
+    total: u64,
+    rays: AtomicU64,
+    hits: AtomicU64,
+}
+
+impl Watched for Progress {
+    fn fraction(&self) -> f64 {
+        self.rays.load(Relaxed) as f64 / self.total.max(1) as f64
+    }
+
+    fn cancel(&self) {}
+}

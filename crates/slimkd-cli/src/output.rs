@@ -1,0 +1,179 @@
+//! Files that appear whole or not at all: written beside their target, then renamed over it.
+
+use crate::failure::Failure;
+use crate::interrupt;
+use std::fs::{self, File, OpenOptions};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// A place that was found to be writable before the work began.
+#[derive(Debug)]
+pub(crate) struct Output {
+    /// Symbolic links resolved, so that a rename replaces the file and not the link.
+    target: PathBuf,
+    /// False for devices and pipes, which are written to in place: a rename would replace the device.
+    replaceable: bool,
+}
+
+/// An [`Output`] being written.
+pub(crate) enum Draft {
+    /// To be renamed.
+    Beside(BufWriter<NamedTempFile>, PathBuf),
+    /// A device or a pipe.
+    InPlace(BufWriter<File>, PathBuf),
+}
+
+impl Output {
+    /// Checks that `path` can be written, so that a long computation does not end in "permission denied".
+    pub(crate) fn prepare(path: &Path) -> Result<Self, Failure> {
+        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let kind = fs::metadata(&target).ok().map(|metadata| metadata.file_type());
+        if kind.is_some_and(|kind| kind.is_dir()) || path.file_name().is_none() {
+            return Err(Failure::at(path, "cannot write: this is a directory; name a file in it"));
+        }
+        let output = Self { target, replaceable: kind.is_none_or(|kind| kind.is_file()) };
+        if output.replaceable {
+            drop(output.beside()?);
+        }
+        Ok(output)
+    }
+
+    /// The file's name as it will be.
+    pub(crate) fn path(&self) -> &Path {
+        &self.target
+    }
+
+    /// Opens it for writing; nothing shows at the target before [`Draft::commit`].
+    pub(crate) fn draft(&self) -> Result<Draft, Failure> {
+        let path = self.target.clone();
+        if self.replaceable {
+            return Ok(Draft::Beside(BufWriter::new(self.beside()?), path));
+        }
+        let file = OpenOptions::new().write(true).open(&path).map_err(|error| unwritable(&path, &error))?;
+        Ok(Draft::InPlace(BufWriter::new(file), path))
+    }
+
+    fn beside(&self) -> Result<NamedTempFile, Failure> {
+        let folder = match self.target.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".slimkd-").suffix(".part");
+        #[cfg(unix)]
+        {
+            // The default of 0600 is for secrets; the umask still applies to this.
+            use std::os::unix::fs::PermissionsExt;
+            builder.permissions(fs::Permissions::from_mode(0o666));
+        }
+        builder.tempfile_in(folder).map_err(|error| unwritable(&self.target, &error))
+    }
+}
+
+impl Draft {
+    /// Makes the file appear under its name, unless Ctrl-C was pressed.
+    pub(crate) fn commit(self) -> Result<(), Failure> {
+        match self {
+            Self::Beside(writer, path) => {
+                let file = writer.into_inner().map_err(|error| unwritable(&path, error.error()))?;
+                interrupt::check()?;
+                file.persist(&path).map_err(|error| unwritable(&path, &error.error))?;
+                Ok(())
+            }
+            Self::InPlace(mut writer, path) => writer.flush().map_err(|error| unwritable(&path, &error)),
+        }
+    }
+}
+
+impl Write for Draft {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        // Ends the writers of libraries, which know nothing of Ctrl-C.
+        if interrupt::pending() {
+            return Err(std::io::Error::other(Failure::Interrupted.to_string()));
+        }
+        match self {
+            Self::Beside(writer, _) => writer.write(bytes),
+            Self::InPlace(writer, _) => writer.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        match self {
+            Self::Beside(writer, _) => writer.flush(),
+            Self::InPlace(writer, _) => writer.flush(),
+        }
+    }
+}
+
+/// The error for a target that the operating system refuses.
+pub(crate) fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
+    // tempfile adds the temporary file's path to the message; only the cause concerns the user.
+    let cause = error.raw_os_error().map_or_else(|| error.to_string(), os_message);
+    Failure::at(path, format_args!("cannot write: {cause}; choose another place with -o"))
+}
+
+fn os_message(code: i32) -> String {
+    let text = std::io::Error::from_raw_os_error(code).to_string();
+    text.split(" (os error").next().unwrap_or(&text).to_lowercase()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_draft_that_is_dropped_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let output = Output::prepare(&folder.path().join("a.bin")).unwrap();
+        let mut draft = output.draft().unwrap();
+        draft.write_all(b"half").unwrap();
+        drop(draft);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn a_commit_replaces_what_was_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.bin");
+        fs::write(&path, b"old").unwrap();
+        let output = Output::prepare(&path).unwrap();
+        let mut draft = output.draft().unwrap();
+        draft.write_all(b"new").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        draft.commit().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_a_link_and_a_device_a_device() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, link) = (folder.path().join("a.bin"), folder.path().join("link"));
+        fs::write(&path, b"old").unwrap();
+        std::os::unix::fs::symlink(&path, &link).unwrap();
+        let mut draft = Output::prepare(&link).unwrap().draft().unwrap();
+        draft.write_all(b"new").unwrap();
+        draft.commit().unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+
+        let null = Output::prepare(Path::new("/dev/null")).unwrap();
+        assert!(!null.replaceable);
+        null.draft().unwrap().commit().unwrap();
+        assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_said_before_the_work() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        fs::write(&file, b"").unwrap();
+        for path in [file.join("under"), folder.path().to_owned(), folder.path().join("no/such/folder/a.png")]
+        {
+            let failure = Output::prepare(&path).unwrap_err();
+            assert_eq!(failure.status(), 1, "{failure}");
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! What `build` and `inspect` say about a tree, for scripts and for people.
+
+use crate::trees::{Tree, thread_count};
+use crate::ui::{bytes, grouped};
+use serde::Serialize;
+use slimkd::{MemoryReport, TreeStatistics};
+use std::fmt::Write;
+use std::num::NonZeroUsize;
+
+/// Version of the JSON's keys.
+const SCHEMA: u32 = 1;
+
+/// The JSON object. Its keys are an interface: add, never rename.
+#[derive(Debug, Serialize)]
+pub(crate) struct Report {
+    schema: u32,
+    scene: Scene,
+    preset: &'static str,
+    threads: usize,
+    sah: Sah,
+    nodes: Nodes,
+    references: References,
+    bytes: Bytes,
+    tree_bytes_per_triangle: f64,
+    max_depth: u32,
+    sah_cost: f64,
+    seconds: Seconds,
+}
+
+#[derive(Debug, Serialize)]
+struct Scene {
+    triangles: u64,
+    vertices: u64,
+    degenerate: u64,
+}
+
+#[derive(Debug, Serialize)]
+struct Sah {
+    traversal: f32,
+    intersection: f32,
+    empty_bonus: f32,
+}
+
+#[derive(Debug, Serialize)]
+struct Nodes {
+    inner: u64,
+    t_inner: u64,
+    leaf: u64,
+    empty_leaf: u64,
+}
+
+#[derive(Debug, Serialize)]
+struct References {
+    leaf_4byte: u64,
+    leaf_2byte: u64,
+    leaf_other: u64,
+    t: u64,
+}
+
+#[derive(Debug, Serialize)]
+struct Bytes {
+    nodes: u64,
+    t_references: u64,
+    indices: u64,
+    id_map: u64,
+    triangle_copies: u64,
+    other: u64,
+    tree: u64,
+    mesh: u64,
+    resident: u64,
+    build_peak: Option<u64>,
+}
+
+#[derive(Debug, Serialize)]
+struct Seconds {
+    load: f64,
+    build: Option<f64>,
+}
+
+impl Report {
+    /// The report on a tree that `threads` threads worked on.
+    pub(crate) fn new(tree: &Tree, threads: Option<NonZeroUsize>) -> Self {
+        let TreeStatistics {
+            triangles,
+            degenerate,
+            nodes,
+            leaf_references,
+            t_references,
+            max_depth,
+            sah_cost,
+            ..
+        } = tree.statistics;
+        let memory = tree.tree.memory();
+        let MemoryReport {
+            nodes: node_bytes,
+            t_references: t_bytes,
+            indices,
+            id_map,
+            triangle_copies,
+            other,
+            mesh,
+        } = memory;
+        let options = tree.tree.options();
+        Self {
+            schema: SCHEMA,
+            scene: Scene { triangles, vertices: tree.tree.mesh().vertices().len() as u64, degenerate },
+            preset: options.preset.name(),
+            threads: thread_count(threads),
+            sah: Sah {
+                traversal: options.sah.traversal,
+                intersection: options.sah.intersection,
+                empty_bonus: options.sah.empty_bonus,
+            },
+            nodes: Nodes {
+                inner: nodes.inner,
+                t_inner: nodes.t_inner,
+                leaf: nodes.leaf,
+                empty_leaf: nodes.empty_leaf,
+            },
+            references: References {
+                leaf_4byte: leaf_references.four_byte,
+                leaf_2byte: leaf_references.two_byte,
+                leaf_other: leaf_references.other,
+                t: t_references,
+            },
+            bytes: Bytes {
+                nodes: node_bytes,
+                t_references: t_bytes,
+                indices,
+                id_map,
+                triangle_copies,
+                other,
+                tree: memory.tree(),
+                mesh,
+                resident: memory.resident(),
+                build_peak: tree.cost.map(|cost| cost.peak),
+            },
+            tree_bytes_per_triangle: memory.tree() as f64 / triangles.max(1) as f64,
+            max_depth,
+            sah_cost,
+            seconds: Seconds { load: tree.load_seconds, build: tree.cost.map(|cost| cost.seconds) },
+        }
+    }
+
+    /// The report as a table.
+    pub(crate) fn table(&self, tree: &Tree) -> String {
+        let Self { scene, sah, nodes, references, bytes: size, seconds, .. } = self;
+        let per_triangle = |count: u64| count as f64 / scene.triangles.max(1) as f64;
+        let mut rows = Rows::default();
+        rows.add(
+            "scene",
+            format!(
+                "{}: {} triangles ({} degenerate), {} vertices",
+                tree.name,
+                grouped(scene.triangles),
+                grouped(scene.degenerate),
+                grouped(scene.vertices)
+            ),
+        );
+        rows.add(
+            "preset",
+            format!(
+                "{} (SAH costs {} a step, {} a triangle, empty bonus {})",
+                self.preset, sah.traversal, sah.intersection, sah.empty_bonus
+            ),
+        );
+        rows.add(
+            "nodes",
+            format!(
+                "{} inner, {} inner with a T-reference, {} leaves ({} empty)",
+                grouped(nodes.inner),
+                grouped(nodes.t_inner),
+                grouped(nodes.leaf),
+                grouped(nodes.empty_leaf)
+            ),
+        );
+        rows.add(
+            "references",
+            format!(
+                "{} in 4-byte leaves, {} in 2-byte leaves, {} in others, {} T-references; {:.2} a triangle",
+                grouped(references.leaf_4byte),
+                grouped(references.leaf_2byte),
+                grouped(references.leaf_other),
+                grouped(references.t),
+                tree.statistics.redundancy()
+            ),
+        );
+        rows.add("depth", format!("{} at most; SAH cost {:.1}", self.max_depth, self.sah_cost));
+        for (name, count) in [
+            ("nodes", size.nodes),
+            ("T-references", size.t_references),
+            ("indices", size.indices),
+            ("id map", size.id_map),
+            ("triangle copies", size.triangle_copies),
+            ("other", size.other),
+        ] {
+            if count > 0 {
+                rows.add(&format!("  {name}"), amount(count, per_triangle(count)));
+            }
+        }
+        rows.add("tree", amount(size.tree, per_triangle(size.tree)));
+        rows.add("mesh", amount(size.mesh, per_triangle(size.mesh)));
+        rows.add("resident", amount(size.resident, per_triangle(size.resident)));
+        if let Some(peak) = size.build_peak {
+            rows.add("build peak", format!("{} above the mesh", amount(peak, per_triangle(peak))));
+        }
+        let built = seconds.build.map_or_else(String::new, |build| {
+            let rate = scene.triangles as f64 / build.max(1e-9) / 1e3;
+            format!(", build {build:.3} s on {} threads ({rate:.0} k triangles/s)", self.threads)
+        });
+        rows.add("time", format!("load {:.3} s{built}", seconds.load));
+        rows.0
+    }
+}
+
+/// Triangles by their number of references and leaves by depth, as the paper's slides show them.
+pub(crate) fn histograms(statistics: &TreeStatistics) -> String {
+    let mut out = String::from("\nreferences of a triangle   triangles\n");
+    for (&(low, high), &count) in TreeStatistics::DUPLICATION_INTERVALS.iter().zip(&statistics.duplication) {
+        if count > 0 {
+            let interval = match (low, high) {
+                (low, high) if low == high => low.to_string(),
+                (low, u32::MAX) => format!("{low} and more"),
+                _ => format!("{low} to {high}"),
+            };
+            let _ = writeln!(out, "{interval:<24} {:>11}", grouped(count));
+        }
+    }
+    out.push_str("\ndepth of a leaf               leaves\n");
+    for (depth, &count) in statistics.leaf_depths.iter().enumerate() {
+        if count > 0 {
+            let _ = writeln!(out, "{depth:<24} {:>11}", grouped(count));
+        }
+    }
+    out
+}
+
+fn amount(count: u64, per_triangle: f64) -> String {
+    format!("{:>10}  {per_triangle:8.2} B/triangle", bytes(count))
+}
+
+/// Lines of a name and a value.
+#[derive(Default)]
+struct Rows(String);
+
+impl Rows {
+    fn add(&mut self, name: &str, value: impl std::fmt::Display) {
+        let _ = writeln!(self.0, "{name:<18} {value}");
+    }
+}

@@ -1,0 +1,115 @@
+//! Scenes by file or by built-in name.
+
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::trees::is_saved;
+use crate::ui::{Ui, Watched};
+use slimkd_scene::procedural::{self, BuiltIn};
+use slimkd_scene::{LoadError, LoadProgress, Scene};
+use std::fmt::Write;
+use std::num::NonZeroU32;
+use std::path::Path;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+
+/// How often Ctrl-C is looked at while a scene is generated.
+const TICK: Duration = Duration::from_millis(50);
+
+/// A scene and how long it took to get it.
+pub(crate) struct Loaded {
+    /// The scene.
+    pub(crate) scene: Scene,
+    /// Wall time, s.
+    pub(crate) seconds: f64,
+}
+
+impl Watched for LoadProgress {
+    fn fraction(&self) -> f64 {
+        self.fraction()
+    }
+
+    fn cancel(&self) {
+        self.cancel();
+    }
+}
+
+/// Loads a file, or generates the built-in scene of that name. `./kitchen` is always a file.
+pub(crate) fn load(path: &Path, triangles: Option<NonZeroU32>, ui: Ui) -> Result<Loaded, Failure> {
+    if let Some(found) = path.to_str().and_then(procedural::find) {
+        return generate(found, triangles);
+    }
+    if triangles.is_some() {
+        return Err(fixed_size(path));
+    }
+    if !path.exists() {
+        return Err(unknown(path));
+    }
+    if is_saved(path) {
+        let what =
+            "a saved tree is read by `inspect` and `trace` only; give the scene that it was built from";
+        return Err(Failure::at(path, what));
+    }
+    let (progress, started) = (LoadProgress::new(), Instant::now());
+    let scene =
+        ui.watch("load", &progress, || slimkd_scene::load(path, &progress)).map_err(|error| match error {
+            LoadError::Cancelled => Failure::Interrupted,
+            // These name the file themselves.
+            LoadError::Read { .. } | LoadError::NotAFile { .. } | LoadError::UnknownFormat { .. } => {
+                Failure::work(error)
+            }
+            other => Failure::at(path, other),
+        })?;
+    Ok(Loaded { scene, seconds: started.elapsed().as_secs_f64() })
+}
+
+/// Generates the built-in scene `name`.
+pub(crate) fn built_in(name: &str, triangles: Option<NonZeroU32>) -> Result<Loaded, Failure> {
+    generate(procedural::find(name).ok_or_else(|| unknown(Path::new(name)))?, triangles)
+}
+
+/// The built-in scenes as a table.
+pub(crate) fn list() -> String {
+    let mut out = String::new();
+    let width = procedural::list().iter().map(|scene| scene.name.len()).max().unwrap_or(0);
+    for BuiltIn { name, description, triangles, .. } in procedural::list() {
+        let triangles = crate::ui::grouped(*triangles as u64);
+        let _ = writeln!(out, "{name:width$}  {triangles:>10} triangles  {description}");
+    }
+    out
+}
+
+/// The error for `--triangles` with a file.
+pub(crate) fn fixed_size(path: &Path) -> Failure {
+    Failure::Usage(format!(
+        "{}: only built-in scenes have a choice of --triangles; leave it out",
+        path.display()
+    ))
+}
+
+fn unknown(path: &Path) -> Failure {
+    let names: Vec<_> = procedural::list().iter().map(|scene| scene.name).collect();
+    let what = format_args!(
+        "neither a file nor a built-in scene; check the path, or take one of {}",
+        names.join(", ")
+    );
+    Failure::at(path, what)
+}
+
+/// Generation cannot be cancelled: on Ctrl-C its thread is left behind, and ends with the process.
+fn generate(found: &'static BuiltIn, triangles: Option<NonZeroU32>) -> Result<Loaded, Failure> {
+    let triangles = triangles.map_or(found.triangles, |count| count.get() as usize);
+    let started = Instant::now();
+    let (done, scenes) = channel();
+    std::thread::spawn(move || done.send(procedural::generate(found.name, triangles)));
+    let scene = loop {
+        match scenes.recv_timeout(TICK) {
+            Ok(scene) => break scene,
+            Err(RecvTimeoutError::Timeout) => interrupt::check()?,
+            Err(RecvTimeoutError::Disconnected) => break None,
+        }
+    };
+    let scene = scene.ok_or_else(|| {
+        Failure::work(format_args!("{}: no such scene of {triangles} triangles; ask for fewer", found.name))
+    })?;
+    Ok(Loaded { scene, seconds: started.elapsed().as_secs_f64() })
+}

@@ -1,0 +1,143 @@
+//! From a scene to a tree, or a tree from its file, with everything that reports say about it.
+
+use crate::allocator::Watermark;
+use crate::args::TreeArgs;
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::scenes;
+use crate::ui::{Ui, grouped};
+use slimkd::{BuildError, BuildOptions, KdTree, Progress, TreeStatistics, TriangleMesh};
+use std::fs::File;
+use std::io::BufReader;
+use std::num::NonZeroUsize;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// What a build took.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cost {
+    /// Wall time of the build with reduction and encoding, s.
+    pub(crate) seconds: f64,
+    /// The most bytes live at a time, above what was live before: the mesh.
+    pub(crate) peak: u64,
+}
+
+/// A tree that something can be hit in.
+#[derive(Debug)]
+pub(crate) struct Tree {
+    /// Scene's name, for people.
+    pub(crate) name: String,
+    /// The tree itself.
+    pub(crate) tree: KdTree,
+    /// Its shape.
+    pub(crate) statistics: TreeStatistics,
+    /// Wall time of reading the scene or the tree, s.
+    pub(crate) load_seconds: f64,
+    /// What the build took; `None` for a tree that was read.
+    pub(crate) cost: Option<Cost>,
+}
+
+/// The number of threads that "all cores" means.
+pub(crate) fn thread_count(threads: Option<NonZeroUsize>) -> usize {
+    threads.map_or_else(rayon::current_num_threads, NonZeroUsize::get)
+}
+
+/// A pool of that many threads.
+pub(crate) fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| Failure::work(format_args!("{threads} threads: {error}; give fewer with --threads")))
+}
+
+/// True for the name of a saved tree.
+pub(crate) fn is_saved(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("skd"))
+}
+
+/// Builds the tree of a mesh; `name` and `load_seconds` are the scene's.
+pub(crate) fn build(
+    name: &str,
+    mesh: &Arc<TriangleMesh>,
+    load_seconds: f64,
+    options: &BuildOptions,
+    ui: Ui,
+) -> Result<Tree, Failure> {
+    interrupt::check()?;
+    let progress = Progress::new();
+    let (mark, started) = (Watermark::start(), Instant::now());
+    let label = options.preset.name();
+    let tree =
+        ui.watch(label, &progress, || KdTree::build_with_progress(Arc::clone(mesh), options, &progress));
+    let cost = Cost { seconds: started.elapsed().as_secs_f64(), peak: mark.peak() };
+    let tree = tree.map_err(|error| match error {
+        BuildError::Cancelled => Failure::Interrupted,
+        other => Failure::work(format_args!("{name}: {other}")),
+    })?;
+    usable(Tree {
+        name: name.to_owned(),
+        statistics: tree.statistics(),
+        tree,
+        load_seconds,
+        cost: Some(cost),
+    })
+}
+
+/// Reads a saved tree, or loads a scene and builds its tree.
+pub(crate) fn read_or_build(
+    scene: &Path,
+    triangles: Option<std::num::NonZeroU32>,
+    args: &TreeArgs,
+    ui: Ui,
+) -> Result<Tree, Failure> {
+    if !is_saved(scene) {
+        let loaded = scenes::load(scene, triangles, ui)?;
+        let tree = build(&loaded.scene.name, &loaded.scene.mesh, loaded.seconds, &args.options(), ui)?;
+        warn_of_degenerate(&tree.statistics, ui);
+        return Ok(tree);
+    }
+    if triangles.is_some() {
+        return Err(scenes::fixed_size(scene));
+    }
+    if args.is_given() {
+        ui.warn(format_args!("{}: a saved tree keeps the options that it was built with", scene.display()));
+    }
+    let started = Instant::now();
+    let file = File::open(scene)
+        .and_then(|file| {
+            if file.metadata()?.is_dir() { Err(std::io::ErrorKind::IsADirectory.into()) } else { Ok(file) }
+        })
+        .map_err(|error| Failure::at(scene, format_args!("cannot read: {error}; check the path")))?;
+    let tree = KdTree::read(&mut BufReader::with_capacity(1 << 20, file))
+        .map_err(|error| Failure::at(scene, error))?;
+    let load_seconds = started.elapsed().as_secs_f64();
+    let name = scene.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let tree = usable(Tree { name, statistics: tree.statistics(), tree, load_seconds, cost: None })?;
+    warn_of_degenerate(&tree.statistics, ui);
+    Ok(tree)
+}
+
+/// Refuses a tree in which nothing can ever be hit.
+fn usable(tree: Tree) -> Result<Tree, Failure> {
+    let TreeStatistics { triangles, degenerate, .. } = tree.statistics;
+    if triangles > degenerate {
+        return Ok(tree);
+    }
+    let what = match triangles {
+        0 => "there is no triangle in it".to_owned(),
+        n => format!("all {} triangles are collinear or not finite", grouped(n)),
+    };
+    Err(Failure::work(format_args!("{}: {what}; export the scene's surfaces as triangles", tree.name)))
+}
+
+/// Says how many triangles can never be hit.
+pub(crate) fn warn_of_degenerate(statistics: &TreeStatistics, ui: Ui) {
+    if statistics.degenerate > 0 {
+        ui.warn(format_args!(
+            "{} of {} triangles are collinear or not finite and can never be hit",
+            grouped(statistics.degenerate),
+            grouped(statistics.triangles)
+        ));
+    }
+}
