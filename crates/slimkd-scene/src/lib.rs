@@ -4,6 +4,7 @@ mod camera;
 mod light;
 mod load;
 mod material;
+pub mod procedural;
 mod scene;
 
 pub use camera::{Camera, UpAxis};

@@ -12,6 +12,7 @@
 //! ```
 
 mod builder;
+mod conference;
 mod frame;
 mod kitchen;
 mod math;
@@ -36,12 +37,20 @@ pub struct BuiltIn {
     draw: fn(&mut Builder) -> Stage,
 }
 
-const SCENES: &[BuiltIn] = &[BuiltIn {
-    name: "kitchen",
-    description: "a kitchen with a laid table, pots, plates, glasses and fruit",
-    triangles: 400_000,
-    draw: kitchen::draw,
-}];
+const SCENES: &[BuiltIn] = &[
+    BuiltIn {
+        name: "kitchen",
+        description: "a kitchen with a laid table, pots, plates, glasses and fruit",
+        triangles: 400_000,
+        draw: kitchen::draw,
+    },
+    BuiltIn {
+        name: "conference",
+        description: "a conference room with swivel chairs, blinds, a screen and a louvred ceiling",
+        triangles: 300_000,
+        draw: conference::draw,
+    },
+];
 
 /// All built-in scenes.
 pub fn list() -> &'static [BuiltIn] {

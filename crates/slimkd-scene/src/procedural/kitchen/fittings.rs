@@ -39,7 +39,7 @@ fn cabinet(b: &mut Builder, p: &Paints, corner: Vec3, size: Vec3) {
     b.within(Frame::to(corner), |b| {
         b.paint(p.cabinet).cuboid(Vec3::ZERO, size);
         if b.has(0.08) {
-            let n = b.segments(12.0, 2);
+            let n = b.segments(3.0, 0);
             let (w, h, z) = (size.x, size.y, size.z);
             let half = vec3(0.5 * w - 0.006, 0.5 * h - 0.006, 0.012);
             b.pillow(vec3(0.5 * w, 0.5 * h, z + 0.012), half, 0.006, n);
@@ -73,7 +73,7 @@ fn handle(b: &mut Builder, p: &Paints, center: Vec3, half: Vec3) {
 
 fn worktop(b: &mut Builder, p: &Paints) {
     let (back, front) = (-D, -D + DEPTH);
-    let n = b.segments(10.0, 2);
+    let n = b.segments(4.0, 0);
     b.paint(p.worktop);
     // Left of the stove; then around the sink's opening.
     for (x0, x1, z0, z1) in [
@@ -129,10 +129,13 @@ fn stove(b: &mut Builder, p: &Paints, x: f32, back: f32) {
         b.paint(p.black).cuboid(vec3(0.06, 0.20, DEPTH), vec3(0.54, 0.66, DEPTH + 0.012));
         handle_bar(b, p);
         let n = b.segments(36.0, 5);
-        for k in 0..5 {
+        for k in 0..if b.has(0.06) { 5 } else { 0 } {
             let knob = vec3(0.1 + 0.1 * k as f32, 0.85, DEPTH);
             b.paint(p.black).rod(knob, knob + Vec3::Z * 0.03, 0.022, n);
             b.paint(p.chrome).rod(knob, knob + Vec3::Z * 0.008, 0.029, n);
+        }
+        if !b.has(0.04) {
+            return;
         }
         for (k, (u, v)) in [(0.16, 0.17), (0.44, 0.17), (0.16, 0.44), (0.44, 0.44)].into_iter().enumerate() {
             b.within(Frame::at(u, TOP, v), |b| {
@@ -195,7 +198,7 @@ fn hood(b: &mut Builder, p: &Paints) {
 
 fn fridge(b: &mut Builder, p: &Paints, x: f32, back: f32) {
     b.within(Frame::at(x, 0.0, back), |b| {
-        let n = b.segments(24.0, 2);
+        let n = b.segments(12.0, 0);
         b.paint(p.steel);
         b.pillow(vec3(0.5, 0.42, 0.33), vec3(0.49, 0.40, 0.33), 0.03, n);
         b.pillow(vec3(0.5, 1.40, 0.33), vec3(0.49, 0.56, 0.33), 0.03, n);
@@ -210,7 +213,7 @@ fn backsplash(b: &mut Builder, p: &Paints) {
         return;
     }
     let (columns, rows, size) = (40, 4, 0.12);
-    let n = b.segments(4.0, 2);
+    let n = b.segments(1.6, 0);
     for i in 0..columns {
         for j in 0..rows {
             let x = -2.95 + size * (i as f32 + 0.5);
@@ -220,7 +223,7 @@ fn backsplash(b: &mut Builder, p: &Paints) {
                 continue;
             }
             b.paint(if (i * 7 + j * 5) % 11 == 0 { p.blue } else { p.china });
-            b.pillow(vec3(x, y, -D + 0.004), vec3(0.5 * size - 0.003, 0.5 * size - 0.003, 0.006), 0.005, n);
+            b.pillow(vec3(x, y, -D + 0.004), vec3(0.5 * size - 0.002, 0.5 * size - 0.002, 0.006), 0.004, n);
         }
     }
 }
@@ -288,7 +291,7 @@ fn counter_things(b: &mut Builder, p: &Paints) {
 
 fn toaster(b: &mut Builder, p: &Paints) {
     let n = b.segments(24.0, 3);
-    b.paint(p.chrome).pillow(vec3(0.0, 0.11, 0.0), vec3(0.15, 0.09, 0.085), 0.04, n);
+    b.paint(p.chrome).pillow(vec3(0.0, 0.11, 0.0), vec3(0.15, 0.09, 0.085), 0.04, n / 3);
     b.paint(p.black).cuboid(vec3(-0.13, 0.0, -0.07), vec3(0.13, 0.025, 0.07));
     for z in [-0.03, 0.03] {
         b.cuboid(vec3(-0.11, 0.198, z - 0.010), vec3(0.11, 0.203, z + 0.010));

@@ -68,7 +68,7 @@ fn place(b: &mut Builder, p: &Paints, x: f32, z: f32, side: f32) {
 fn chair(b: &mut Builder, p: &Paints) {
     b.paint(p.wood_dark);
     let (n, m) = (b.segments(20.0, 3), b.segments(18.0, 2));
-    let seat = b.segments(22.0, 2);
+    let seat = b.segments(9.0, 0);
     b.pillow(vec3(0.0, 0.445, 0.0), vec3(0.21, 0.02, 0.20), 0.02, seat);
     for (x, z) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
         let (top, foot) = (vec3(0.16 * x, 0.43, 0.15 * z), vec3(0.20 * x, 0.0, 0.20 * z));
@@ -78,23 +78,19 @@ fn chair(b: &mut Builder, p: &Paints) {
         b.cone(vec3(x, 0.16, -0.18), vec3(x, 0.16, 0.18), 0.010, 0.010, n, false);
     }
     // The back: a bow and spindles that fan out, none of them parallel to an axis.
-    let bow: Vec<Vec3> = (0..=2 * m)
-        .map(|k| {
-            let (s, c) = crate::procedural::math::sin_cos(0.5 * TURN * k as f32 / (2 * m) as f32);
-            vec3(-0.20 * c * (1.0 + 0.1 * s), 0.46 + 0.46 * s.sqrt().min(1.0), 0.17 + 0.11 * s)
-        })
-        .collect();
+    let lean = |x: f32, y: f32| vec3(x, y, 0.165 + 0.24 * (y - 0.45));
+    let mut bow = vec![lean(-0.17, 0.45)];
+    bow.extend((0..=2 * m).map(|k| {
+        let (s, c) = crate::procedural::math::sin_cos(0.5 * TURN * k as f32 / (2 * m) as f32);
+        lean(-0.20 * c, 0.72 + 0.20 * s)
+    }));
+    bow.push(lean(0.17, 0.45));
     b.tube(&bow, 0.014, n);
-    for k in -2..=2 {
+    let spindles = if b.has(0.06) { 2 } else { 1 };
+    for k in -spindles..=spindles {
         let x = k as f32;
-        b.cone(
-            vec3(0.06 * x, 0.46, 0.165),
-            vec3(0.075 * x, 0.915 - 0.022 * x * x, 0.278),
-            0.008,
-            0.006,
-            n,
-            false,
-        );
+        let top = 0.915 - 0.012 * x * x;
+        b.cone(lean(0.055 * x, 0.45), lean(0.075 * x, top), 0.008, 0.006, n, false);
     }
 }
 

@@ -201,14 +201,14 @@ pub(super) fn carafe(b: &mut Builder, paint: Paint) {
 
 /// A table knife along z.
 pub(super) fn knife(b: &mut Builder, at: Vec3) {
-    let n = b.segments(10.0, 2);
+    let n = b.segments(4.0, 0);
     b.pillow(at + Vec3::Z * 0.06, vec3(0.007, 0.004, 0.05), 0.004, n);
     b.pillow(at - Vec3::Z * 0.05, vec3(0.009, 0.0012, 0.06), 0.001, n);
 }
 
 /// A fork along z.
 pub(super) fn fork(b: &mut Builder, at: Vec3) {
-    let n = b.segments(10.0, 2);
+    let n = b.segments(4.0, 0);
     b.pillow(at + Vec3::Z * 0.05, vec3(0.006, 0.003, 0.06), 0.003, n);
     b.pillow(at - Vec3::Z * 0.025, vec3(0.011, 0.0015, 0.016), 0.0015, n);
     for k in -1..=1 {

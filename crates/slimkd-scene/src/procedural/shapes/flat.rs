@@ -68,24 +68,38 @@ impl Builder {
         });
     }
 
-    /// A box with rounded edges of radius `radius`, `n` segments an edge's quarter turn: six smooth faces.
+    /// A box with rounded edges of `radius`, `n` cells along each quarter turn; its flat middle has few cells. A plain
+    /// box for `n` of 0.
     pub(crate) fn pillow(&mut self, center: Vec3, half: Vec3, radius: f32, n: u32) {
+        if n == 0 {
+            return self.cuboid(center - half, center + half);
+        }
         let radius = radius.min(half.min_element());
         let inner = half - Vec3::splat(radius);
-        let n = n.max(2);
+        let middle = (n / 2).max(1);
+        let cells = 2 * n + middle;
+        // Along one direction of a face: where on the inner box, and how far the normal leans.
+        let lean = |t: f32| {
+            let k = t * cells as f32;
+            let (first, last) = (n as f32, (n + middle) as f32);
+            if k < first {
+                (-1.0, k / first - 1.0)
+            } else if k > last {
+                (1.0, (k - last) / first)
+            } else {
+                (2.0 * (k - first) / middle as f32 - 1.0, 0.0)
+            }
+        };
         for axis in 0..3 {
             for side in [-1.0f32, 1.0] {
                 let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-                self.patch(n, n, Closure::OPEN, |s, t| {
-                    // A cube's face blown up to the ball, then moved apart by the inner box: its flat middle is
-                    // stretched from the cells around the centre line.
-                    let mut cube = Vec3::ZERO;
-                    cube[axis] = side;
-                    (cube[u], cube[v]) = (2.0 * s - 1.0, 2.0 * t - 1.0);
-                    let normal = cube.normalize();
-                    let mut core = Vec3::ZERO;
-                    core[axis] = side * inner[axis];
-                    (core[u], core[v]) = (cube[u] * inner[u], cube[v] * inner[v]);
+                self.patch(cells, cells, Closure::OPEN, |s, t| {
+                    let ((core_u, lean_u), (core_v, lean_v)) = (lean(s), lean(t));
+                    let (mut normal, mut core) = (Vec3::ZERO, Vec3::ZERO);
+                    (normal[axis], normal[u], normal[v]) = (side, lean_u, lean_v);
+                    (core[axis], core[u], core[v]) =
+                        (side * inner[axis], core_u * inner[u], core_v * inner[v]);
+                    let normal = normal.normalize();
                     (center + core + normal * radius, normal)
                 });
             }
