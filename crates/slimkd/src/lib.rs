@@ -19,7 +19,7 @@ pub mod geometry;
 pub mod traverse;
 pub mod tree;
 
-pub use build::{BuildError, BuildOptions, Preset, Progress, SahConstants};
+pub use build::{BuildError, BuildOptions, Clipping, Preset, Progress, SahConstants};
 pub use geometry::{Aabb, MeshError, Ray, TriangleMesh};
-pub use traverse::Hit;
-pub use tree::{KdTree, MemoryReport, TreeStatistics};
+pub use traverse::{BruteForce, Hit};
+pub use tree::{FileError, KdTree, MemoryReport, TreeStatistics};

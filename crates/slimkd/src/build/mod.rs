@@ -1,7 +1,16 @@
-//! From a mesh to a tree: options, presets, progress.
+//! From a mesh to a plan of the tree: events → sweep → partition → recursion.
 
+mod clip;
+mod event;
 mod options;
+mod partition;
+mod plan;
 mod progress;
+mod recursion;
+mod sah;
+mod sweep;
 
-pub use options::{BuildError, BuildOptions, Preset, SahConstants};
+pub use options::{BuildError, BuildOptions, Clipping, Preset, SahConstants};
+pub(crate) use plan::{Plan, PlanNode};
 pub use progress::Progress;
+pub(crate) use recursion::build;

@@ -51,6 +51,29 @@ pub struct SahConstants {
     pub empty_bonus: f32,
 }
 
+/// How a triangle that straddles a split plane is bounded in the children.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Clipping {
+    /// By what each child's voxel really holds of it ("perfect splits", Wald & Havran 2006).
+    Exact,
+    /// Exactly in nodes of at least that many triangles, by its box below. The slides leave open what the paper did;
+    /// 10,000 comes nearest to its Kitchen rows.
+    ExactFrom(u32),
+    /// By its box, cut to the voxel.
+    Box,
+}
+
+impl Clipping {
+    pub(crate) fn is_exact_for(self, triangles: u32) -> bool {
+        match self {
+            Self::Exact => true,
+            Self::ExactFrom(least) => triangles >= least,
+            Self::Box => false,
+        }
+    }
+}
+
 /// All knobs of a build. Start from a [`Preset`].
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -59,6 +82,12 @@ pub struct BuildOptions {
     pub preset: Preset,
     /// Constants of the surface area heuristic.
     pub sah: SahConstants,
+    /// A node of at most that many triangles becomes a leaf without further ado.
+    pub leaf_at_most: u32,
+    /// How straddling triangles are bounded.
+    pub clipping: Clipping,
+    /// Whether leaves may use the 2-byte mode.
+    pub two_byte_leaves: bool,
     /// Threads to build with; `None` uses the current rayon pool. The tree is the same at any count.
     pub threads: Option<NonZeroUsize>,
 }
@@ -66,13 +95,34 @@ pub struct BuildOptions {
 impl From<Preset> for BuildOptions {
     fn from(preset: Preset) -> Self {
         let sah = SahConstants { traversal: 15.0, intersection: 17.5, empty_bonus: 1.0 };
-        Self { preset, sah, threads: None }
+        Self {
+            preset,
+            sah,
+            leaf_at_most: 4,
+            clipping: Clipping::Exact,
+            two_byte_leaves: preset != Preset::Standard,
+            threads: None,
+        }
     }
 }
 
 impl Default for BuildOptions {
     fn default() -> Self {
         Preset::default().into()
+    }
+}
+
+impl BuildOptions {
+    pub(crate) fn validate(&self) -> Result<(), BuildError> {
+        let SahConstants { traversal, intersection, empty_bonus } = self.sah;
+        for (name, value) in
+            [("traversal cost", traversal), ("intersection cost", intersection), ("empty bonus", empty_bonus)]
+        {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(BuildError::InvalidOption { name, value: value.into() });
+            }
+        }
+        Ok(())
     }
 }
 
@@ -83,6 +133,17 @@ pub enum BuildError {
     /// [`super::Progress::cancel`] was called: nothing is left behind, build again when wanted.
     #[error("the build was cancelled")]
     Cancelled,
+    /// A constant is out of its range: set it to a positive finite number.
+    #[error("the {name} is {value}; set it to a positive finite number")]
+    InvalidOption {
+        /// Which constant.
+        name: &'static str,
+        /// What it was.
+        value: f64,
+    },
+    /// The operating system gave no threads: ask for fewer.
+    #[error("cannot start the build's threads ({0}); ask for fewer")]
+    Threads(String),
     /// A layout's field cannot address the tree: use a smaller preset, a higher traversal cost, or split the mesh.
     #[error(
         "the tree needs {needed} {what}, the layout holds {limit}; use a smaller preset or split the mesh"

@@ -1,6 +1,10 @@
 //! How far a build has come, and how to stop it, from any thread.
 
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
+use super::BuildError;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+
+/// 1.0 in fixed point: fine enough that a million additions do not round visibly.
+const ONE: f64 = (1u64 << 50) as f64;
 
 /// Shared between a running build and whoever watches it.
 ///
@@ -13,8 +17,8 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 /// ```
 #[derive(Debug, Default)]
 pub struct Progress {
-    /// Millionths done.
-    done: AtomicU32,
+    /// Share done, in units of 1 / [`ONE`].
+    done: AtomicU64,
     cancelled: AtomicBool,
 }
 
@@ -26,10 +30,10 @@ impl Progress {
 
     /// Share of the work that is done, 0 to 1; never falls, and is 1 once the tree is there.
     pub fn fraction(&self) -> f64 {
-        f64::from(self.done.load(Relaxed)) / 1e6
+        (self.done.load(Relaxed) as f64 / ONE).min(1.0)
     }
 
-    /// Asks the build to end with [`super::BuildError::Cancelled`] soon.
+    /// Asks the build to end with [`BuildError::Cancelled`] soon.
     pub fn cancel(&self) {
         self.cancelled.store(true, Relaxed);
     }
@@ -39,7 +43,18 @@ impl Progress {
         self.cancelled.load(Relaxed)
     }
 
-    pub(crate) fn set(&self, fraction: f64) {
-        self.done.fetch_max((fraction.clamp(0.0, 1.0) * 1e6) as u32, Relaxed);
+    /// Adds a share of the whole work, 0 to 1.
+    pub(crate) fn advance(&self, share: f64) {
+        self.done.fetch_add((share.max(0.0) * ONE) as u64, Relaxed);
+    }
+
+    /// All is done, whatever rounding left.
+    pub(crate) fn finish(&self) {
+        self.done.fetch_max(ONE as u64, Relaxed);
+    }
+
+    /// An error once the build was cancelled.
+    pub(crate) fn check(&self) -> Result<(), BuildError> {
+        if self.is_cancelled() { Err(BuildError::Cancelled) } else { Ok(()) }
     }
 }

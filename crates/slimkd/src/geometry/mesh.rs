@@ -1,6 +1,7 @@
 //! The indexed triangle mesh: 12 bytes a vertex and 12 bytes a triangle, nothing else.
 
-use super::Aabb;
+use super::{Aabb, is_degenerate};
+use rayon::prelude::*;
 use thiserror::Error;
 
 /// Vertices and triangles, in the order of the input. A triangle's position in [`TriangleMesh::triangles`] is its
@@ -85,16 +86,17 @@ impl TriangleMesh {
         self.triangles[id as usize].map(|v| self.vertices[v as usize])
     }
 
-    /// Bounds of all finite vertices that a triangle uses.
-    pub fn bounds(&self) -> Aabb {
-        let mut bounds = Aabb::EMPTY;
-        for id in 0..self.len() as u32 {
-            let corners = self.corners(id);
-            if corners.iter().flatten().all(|x| x.is_finite()) {
-                corners.into_iter().for_each(|corner| bounds.include(corner));
-            }
-        }
-        bounds
+    /// Ids of the triangles that can be hit, ascending, and their bounds. The others are collinear or not finite.
+    pub(crate) fn valid_triangles(&self) -> (Vec<u32>, Aabb) {
+        let corners = |id: u32| self.corners(id);
+        let keep: Vec<u32> =
+            (0..self.len() as u32).into_par_iter().filter(|&id| !is_degenerate(&corners(id))).collect();
+        let grow = |mut bounds: Aabb, &id: &u32| {
+            corners(id).into_iter().for_each(|corner| bounds.include(corner));
+            bounds
+        };
+        let bounds = keep.par_iter().fold(|| Aabb::EMPTY, grow).reduce(|| Aabb::EMPTY, |a, b| a.union(&b));
+        (keep, bounds)
     }
 
     /// Bytes of the two buffers: 12 a vertex, 12 a triangle.

@@ -1,72 +1,118 @@
 //! The tree that users hold.
 
-use crate::build::{BuildError, BuildOptions, Progress};
+use super::encode::{Encoded, encode};
+use super::statistics::TreeStatistics;
+use super::{MemoryReport, walk};
+use crate::build::{self, BuildError, BuildOptions, Progress};
 use crate::geometry::{Aabb, Ray, TriangleMesh};
-use crate::traverse::Hit;
-use crate::tree::{MemoryReport, TreeStatistics};
+use crate::traverse::{All, Any, Closest, Hit, PreparedRay, traverse};
 use std::sync::Arc;
 
 /// An SAH kd-tree over a mesh that it shares by [`Arc`]. Immutable, `Send + Sync`: trace from any number of threads.
+///
+/// ```
+/// use slimkd::{BuildOptions, KdTree, Preset, Ray, TriangleMesh};
+/// use std::sync::Arc;
+/// let mesh = Arc::new(TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?);
+/// let tree = KdTree::build(Arc::clone(&mesh), &BuildOptions::from(Preset::Standard))?;
+/// std::thread::scope(|scope| {
+///     for x in [0.1, 0.4] {
+///         scope.spawn(|| ());
+///         assert!(tree.any_hit(&Ray::new([x, 0.2, 1.0], [0.0, 0.0, -1.0])));
+///     }
+/// });
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct KdTree {
-    mesh: Arc<TriangleMesh>,
-    options: BuildOptions,
-    bounds: Aabb,
+    pub(super) mesh: Arc<TriangleMesh>,
+    pub(super) options: BuildOptions,
+    pub(super) bounds: Aabb,
+    pub(super) encoded: Encoded,
+    /// Depth of the deepest leaf; sizes the traversal stack.
+    pub(super) depth: u32,
+    pub(super) degenerate: u64,
 }
 
 impl KdTree {
-    /// Builds a tree. Pass a mesh, or an `Arc` of one to keep sharing it.
+    /// Builds a tree. Pass a mesh, or an `Arc` of one to keep sharing it. An empty mesh builds, and every ray misses.
+    ///
+    /// # Errors
+    /// [`BuildError::TooLarge`] when a layout's field cannot address the tree, [`BuildError::InvalidOption`] for
+    /// constants that are not positive and finite.
     pub fn build(mesh: impl Into<Arc<TriangleMesh>>, options: &BuildOptions) -> Result<Self, BuildError> {
         Self::build_with_progress(mesh, options, &Progress::new())
     }
 
     /// The same, watched and cancellable from another thread.
+    ///
+    /// # Errors
+    /// As [`KdTree::build`], and [`BuildError::Cancelled`].
     pub fn build_with_progress(
         mesh: impl Into<Arc<TriangleMesh>>,
         options: &BuildOptions,
         progress: &Progress,
     ) -> Result<Self, BuildError> {
         let mesh = mesh.into();
-        progress.set(1.0);
-        Ok(Self { bounds: mesh.bounds(), mesh, options: options.clone() })
+        options.validate()?;
+        match options.threads {
+            None => Self::build_here(mesh, options, progress),
+            Some(threads) => rayon::ThreadPoolBuilder::new()
+                .num_threads(threads.get())
+                .build()
+                .map_err(|error| BuildError::Threads(error.to_string()))?
+                .install(|| Self::build_here(mesh, options, progress)),
+        }
+    }
+
+    fn build_here(
+        mesh: Arc<TriangleMesh>,
+        options: &BuildOptions,
+        progress: &Progress,
+    ) -> Result<Self, BuildError> {
+        let (triangles, bounds) = mesh.valid_triangles();
+        let degenerate = (mesh.len() - triangles.len()) as u64;
+        let plan = build::build(&mesh, &triangles, bounds, options, progress)?;
+        drop(triangles);
+        let encoded = encode(&plan, options.two_byte_leaves)?;
+        drop(plan);
+        let depth = walk::max_depth(&encoded);
+        progress.finish();
+        let options = BuildOptions { threads: None, ..options.clone() };
+        Ok(Self { mesh, options, bounds, encoded, depth, degenerate })
     }
 
     /// The nearest hit in `[t_min, t_max]`; equal t goes to the lowest id.
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        self.all_hits(ray).first().copied()
+        let prepared = PreparedRay::new(ray, &self.bounds)?;
+        let mut sink = Closest::new(ray.t_max);
+        traverse(&self.encoded, &self.mesh, self.depth, &prepared, &mut sink);
+        sink.into_hit()
     }
 
-    /// Whether anything is hit in `[t_min, t_max]`.
+    /// Whether anything is hit in `[t_min, t_max]`. Cheaper than [`KdTree::closest_hit`]: it ends at the first hit.
     pub fn any_hit(&self, ray: &Ray) -> bool {
-        self.closest_hit(ray).is_some()
+        let Some(prepared) = PreparedRay::new(ray, &self.bounds) else { return false };
+        let mut sink = Any { found: false, t_max: ray.t_max };
+        traverse(&self.encoded, &self.mesh, self.depth, &prepared, &mut sink);
+        sink.found
     }
 
     /// Every hit in `[t_min, t_max]`, sorted by (t, id), each triangle once.
     pub fn all_hits(&self, ray: &Ray) -> Vec<Hit> {
-        // Brute force until the tree is built: Möller-Trumbore.
         let mut hits = Vec::new();
-        if !ray.is_valid() {
-            return hits;
-        }
-        let sub = |a: [f32; 3], b: [f32; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-        let cross = |a: [f32; 3], b: [f32; 3]| {
-            [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-        };
-        let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        for triangle in 0..self.mesh.len() as u32 {
-            let [a, b, c] = self.mesh.corners(triangle);
-            let (e1, e2) = (sub(b, a), sub(c, a));
-            let p = cross(ray.direction, e2);
-            let det = dot(e1, p);
-            let s = sub(ray.origin, a);
-            let q = cross(s, e1);
-            let (u, v, t) = (dot(s, p) / det, dot(ray.direction, q) / det, dot(e2, q) / det);
-            if det != 0.0 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t >= ray.t_min && t <= ray.t_max {
-                hits.push(Hit { t, u, v, triangle });
-            }
-        }
-        hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
+        self.all_hits_into(ray, &mut hits);
         hits
+    }
+
+    /// [`KdTree::all_hits`] into a buffer that the caller reuses; what was in it is dropped.
+    pub fn all_hits_into(&self, ray: &Ray, hits: &mut Vec<Hit>) {
+        hits.clear();
+        let Some(prepared) = PreparedRay::new(ray, &self.bounds) else { return };
+        let mut sink = All { hits, t_max: ray.t_max };
+        traverse(&self.encoded, &self.mesh, self.depth, &prepared, &mut sink);
+        hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
+        hits.dedup_by_key(|hit| hit.triangle);
     }
 
     /// Closest hits of a batch, in its order.
@@ -97,28 +143,26 @@ impl KdTree {
         self.bounds
     }
 
-    /// The options that it was built with.
+    /// The options that it was built with; `threads` is always `None`, since it leaves no trace in the tree.
     pub fn options(&self) -> &BuildOptions {
         &self.options
     }
 
     /// Its size, exact to the byte.
     pub fn memory(&self) -> MemoryReport {
-        MemoryReport { mesh: self.mesh.memory_bytes(), ..MemoryReport::default() }
+        let t_references = walk::t_references(&self.encoded);
+        let encoded = &self.encoded;
+        MemoryReport {
+            nodes: 8 * (encoded.nodes.len() as u64 - t_references),
+            t_references: 8 * t_references,
+            indices: 4 * encoded.indices_4byte.len() as u64 + 2 * encoded.indices_2byte.len() as u64,
+            mesh: self.mesh.memory_bytes(),
+            ..MemoryReport::default()
+        }
     }
 
     /// Its shape; walks the whole tree, O(nodes + references).
     pub fn statistics(&self) -> TreeStatistics {
-        TreeStatistics { triangles: self.mesh.len() as u64, ..TreeStatistics::default() }
-    }
-
-    /// Writes a `.skd` file's bytes: the mesh and the tree.
-    pub fn write(&self, _to: &mut impl std::io::Write) -> Result<(), crate::tree::FileError> {
-        Ok(())
-    }
-
-    /// Reads what [`KdTree::write`] wrote.
-    pub fn read(_from: &mut impl std::io::Read) -> Result<Self, crate::tree::FileError> {
-        Err(crate::tree::FileError::NotATree)
+        walk::statistics(self)
     }
 }

@@ -1,0 +1,34 @@
+//! The tree between building and encoding: nodes in depth-first order, leaves with their triangle ids.
+//!
+//! `right` and `first` count from the node array's and the reference array's start, so a subtree that was built on
+//! its own is appended by shifting them.
+
+/// One node of a [`Plan`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum PlanNode {
+    /// The left child is the next node, the right one stands at `right`.
+    Inner { axis: u8, split: f32, right: u32 },
+    /// Triangle ids `references[first..first + count]`, ascending.
+    Leaf { first: u32, count: u32 },
+}
+
+/// A whole tree before encoding. Never without a node.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Plan {
+    pub(crate) nodes: Vec<PlanNode>,
+    pub(crate) references: Vec<u32>,
+    /// T-references as (node, triangle), ascending by node.
+    pub(crate) hoisted: Vec<(u32, u32)>,
+}
+
+impl Plan {
+    /// Appends a subtree that was built on its own; its T-references must not exist yet.
+    pub(crate) fn append(&mut self, subtree: &Plan) {
+        let (nodes, references) = (self.nodes.len() as u32, self.references.len() as u32);
+        self.nodes.extend(subtree.nodes.iter().map(|&node| match node {
+            PlanNode::Inner { axis, split, right } => PlanNode::Inner { axis, split, right: right + nodes },
+            PlanNode::Leaf { first, count } => PlanNode::Leaf { first: first + references, count },
+        }));
+        self.references.extend_from_slice(&subtree.references);
+    }
+}

@@ -1,0 +1,63 @@
+//! The oracle: every query by testing every triangle.
+
+use super::sink::{All, Any, Closest, Sink};
+use super::{Hit, PreparedRay};
+use crate::geometry::{Aabb, Ray, TriangleMesh};
+
+/// Answers queries without a tree, in O(triangles). What it says is what every tree must say, to the last bit.
+///
+/// ```
+/// use slimkd::{BruteForce, BuildOptions, KdTree, Ray, TriangleMesh};
+/// let mesh = TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+/// let ray = Ray::new([0.2, 0.2, 1.0], [0.0, 0.0, -1.0]);
+/// let oracle = BruteForce::new(&mesh);
+/// assert_eq!(oracle.closest_hit(&ray), KdTree::build(mesh.clone(), &BuildOptions::default())?.closest_hit(&ray));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct BruteForce<'a> {
+    mesh: &'a TriangleMesh,
+    triangles: Vec<u32>,
+    bounds: Aabb,
+}
+
+impl<'a> BruteForce<'a> {
+    /// Sorts out the triangles that can never hit.
+    pub fn new(mesh: &'a TriangleMesh) -> Self {
+        let (triangles, bounds) = mesh.valid_triangles();
+        Self { mesh, triangles, bounds }
+    }
+
+    /// As [`crate::KdTree::closest_hit`].
+    pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+        let mut sink = Closest::new(ray.t_max);
+        self.offer_all(ray, &mut sink);
+        sink.into_hit()
+    }
+
+    /// As [`crate::KdTree::any_hit`].
+    pub fn any_hit(&self, ray: &Ray) -> bool {
+        let mut sink = Any { found: false, t_max: ray.t_max };
+        self.offer_all(ray, &mut sink);
+        sink.found
+    }
+
+    /// As [`crate::KdTree::all_hits`].
+    pub fn all_hits(&self, ray: &Ray) -> Vec<Hit> {
+        let mut hits = Vec::new();
+        self.offer_all(ray, &mut All { hits: &mut hits, t_max: ray.t_max });
+        hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
+        hits
+    }
+
+    fn offer_all(&self, ray: &Ray, sink: &mut impl Sink) {
+        let Some(prepared) = PreparedRay::new(ray, &self.bounds) else { return };
+        for &id in &self.triangles {
+            if let Some(found) = prepared.shear.intersect(&self.mesh.corners(id)) {
+                if ray.t_min <= found.t && found.t <= ray.t_max && sink.offer(found, id) {
+                    return;
+                }
+            }
+        }
+    }
+}

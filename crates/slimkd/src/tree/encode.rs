@@ -1,0 +1,80 @@
+//! From a plan to bytes.
+
+use super::layout::{COUNT_LIMIT_2BYTE, COUNT_LIMIT_4BYTE, Node, POINTER_LIMIT, Packed};
+use crate::build::{BuildError, Plan, PlanNode};
+
+/// The encoded tree: one array of nodes and T-references, and the leaves' indices in their two modes.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Encoded {
+    pub(crate) nodes: Vec<Packed>,
+    pub(crate) indices_4byte: Vec<u32>,
+    pub(crate) indices_2byte: Vec<u16>,
+}
+
+/// Whether a leaf of these ids can use the 2-byte mode: they share their upper 16 bits and H can count them.
+fn shared_upper(ids: &[u32]) -> Option<u32> {
+    let upper = ids.first()? & 0xffff_0000;
+    (ids.len() <= COUNT_LIMIT_2BYTE && ids.iter().all(|id| id & 0xffff_0000 == upper)).then_some(upper)
+}
+
+/// Encodes a plan; `two_byte` allows the 2-byte leaf mode.
+pub(crate) fn encode(plan: &Plan, two_byte: bool) -> Result<Encoded, BuildError> {
+    let total = plan.nodes.len() + plan.hoisted.len();
+    check("nodes", total as u64, POINTER_LIMIT)?;
+    let leaf_ids = |first: u32, count: u32| &plan.references[first as usize..(first + count) as usize];
+    let (mut wide, mut narrow) = (0u64, 0u64);
+    for node in &plan.nodes {
+        if let &PlanNode::Leaf { first, count } = node {
+            let mode = shared_upper(leaf_ids(first, count)).filter(|_| two_byte);
+            *if mode.is_some() { &mut narrow } else { &mut wide } += u64::from(count);
+            check("triangles in a leaf", count.into(), COUNT_LIMIT_4BYTE)?;
+        }
+    }
+    check("4-byte references", wide, POINTER_LIMIT)?;
+    check("2-byte references", narrow, POINTER_LIMIT)?;
+
+    let mut out = Encoded {
+        nodes: Vec::with_capacity(total),
+        indices_4byte: Vec::with_capacity(wide as usize),
+        indices_2byte: Vec::with_capacity(narrow as usize),
+    };
+    out.nodes.push(Packed(0));
+    let mut hoisted = plan.hoisted.iter().peekable();
+    // The plan is in preorder: the next node always belongs into the slot on top.
+    let mut slots = vec![0usize];
+    for (at, node) in plan.nodes.iter().enumerate() {
+        let slot = slots.pop().expect("a plan has one root");
+        let node = match *node {
+            PlanNode::Inner { axis, split, .. } => {
+                let children = out.nodes.len() as u32;
+                out.nodes.extend([Packed(0), Packed(0)]);
+                let t_reference = hoisted.next_if(|&&(node, _)| node as usize == at);
+                out.nodes.extend(t_reference.map(|&(_, triangle)| Packed::t_reference(triangle)));
+                slots.extend([children as usize + 1, children as usize]);
+                Node::Inner { axis: axis.into(), split, children, t_reference: t_reference.is_some() }
+            }
+            PlanNode::Leaf { first, count } => {
+                let ids = leaf_ids(first, count);
+                match shared_upper(ids).filter(|_| two_byte) {
+                    Some(upper) => {
+                        let first = out.indices_2byte.len() as u32;
+                        out.indices_2byte.extend(ids.iter().map(|&id| id as u16));
+                        Node::Leaf2 { first, count, upper }
+                    }
+                    None => {
+                        // An empty leaf may stand behind the last index, where no pointer reaches.
+                        let first = if count == 0 { 0 } else { out.indices_4byte.len() as u32 };
+                        out.indices_4byte.extend_from_slice(ids);
+                        Node::Leaf4 { first, count }
+                    }
+                }
+            }
+        };
+        out.nodes[slot] = Packed::encode(node);
+    }
+    Ok(out)
+}
+
+fn check(what: &'static str, needed: u64, limit: u64) -> Result<(), BuildError> {
+    if needed <= limit { Ok(()) } else { Err(BuildError::TooLarge { what, needed, limit }) }
+}

@@ -1,0 +1,173 @@
+//! Meshes and rays that several tests use.
+#![allow(dead_code, unreachable_pub)] // each test file uses its own part
+
+use slimkd::{Ray, TriangleMesh};
+
+/// SplitMix64 (Steele, Lea & Flood 2014): small, seeded, the same everywhere.
+pub struct Rng(u64);
+
+impl Rng {
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    pub fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// In [0, 1).
+    pub fn unit(&mut self) -> f32 {
+        (self.next() >> 40) as f32 / (1u64 << 24) as f32
+    }
+
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.next() % n as u64) as usize
+    }
+
+    pub fn point(&mut self) -> [f32; 3] {
+        [self.unit(), self.unit(), self.unit()]
+    }
+}
+
+/// Random triangles of mixed sizes in a cube of edge `scale` at `offset`.
+pub fn soup(count: usize, scale: f32, offset: f32, seed: u64) -> TriangleMesh {
+    let mut rng = Rng::new(seed);
+    let mut vertices = Vec::new();
+    for i in 0..count {
+        let size = [0.02, 0.1, 0.5, 1.5][i % 4];
+        let center = rng.point();
+        for _ in 0..3 {
+            let corner = rng.point();
+            vertices.push(std::array::from_fn(|k| offset + scale * (center[k] + size * (corner[k] - 0.5))));
+        }
+    }
+    let triangles = (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    TriangleMesh::new(vertices, triangles).unwrap()
+}
+
+/// Twelve triangles of a box.
+pub fn push_box(vertices: &mut Vec<[f32; 3]>, triangles: &mut Vec<[u32; 3]>, low: [f32; 3], size: [f32; 3]) {
+    let first = vertices.len() as u32;
+    for i in 0..8 {
+        vertices.push(std::array::from_fn(|k| low[k] + if i >> k & 1 == 1 { size[k] } else { 0.0 }));
+    }
+    for [a, b, c, d] in [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]] {
+        triangles.push([first + a, first + b, first + c]);
+        triangles.push([first + a, first + c, first + d]);
+    }
+}
+
+/// A closed sphere: an octahedron subdivided `levels` times.
+pub fn sphere(levels: u32) -> TriangleMesh {
+    use std::collections::HashMap;
+    let mut vertices: Vec<[f32; 3]> = vec![
+        [1.0, 0.0, 0.0],
+        [-1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, -1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [0.0, 0.0, -1.0],
+    ];
+    let mut triangles: Vec<[u32; 3]> =
+        vec![[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+    for _ in 0..levels {
+        let mut middles = HashMap::new();
+        let mut next = Vec::new();
+        for [a, b, c] in triangles {
+            let mut middle = |i: u32, j: u32| {
+                *middles.entry((i.min(j), i.max(j))).or_insert_with(|| {
+                    let (p, q) = (vertices[i as usize], vertices[j as usize]);
+                    let sum: [f32; 3] = std::array::from_fn(|k| p[k] + q[k]);
+                    let length = sum.iter().map(|x| x * x).sum::<f32>().sqrt();
+                    vertices.push(sum.map(|x| x / length));
+                    vertices.len() as u32 - 1
+                })
+            };
+            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+            next.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+        }
+        triangles = next;
+    }
+    TriangleMesh::new(vertices, triangles).unwrap()
+}
+
+/// Rays that break sloppy code, in equal parts: random, axis-parallel, through edges, through vertices, in a triangle's
+/// plane, grazing, starting on a surface, along coordinates of vertices (likely split planes), with odd ranges.
+pub fn hard_rays(mesh: &TriangleMesh, count: usize, seed: u64) -> Vec<Ray> {
+    let mut rng = Rng::new(seed);
+    let (mut low, mut high) = ([f32::MAX; 3], [f32::MIN; 3]);
+    for vertex in mesh.vertices().iter().filter(|v| v.iter().all(|x| x.is_finite())) {
+        for k in 0..3 {
+            low[k] = low[k].min(vertex[k]);
+            high[k] = high[k].max(vertex[k]);
+        }
+    }
+    let inside = |rng: &mut Rng, grow: f32| -> [f32; 3] {
+        std::array::from_fn(|k| {
+            let (middle, half) = (0.5 * low[k] + 0.5 * high[k], 0.5 * high[k] - 0.5 * low[k]);
+            middle + grow * half * (2.0 * rng.unit() - 1.0)
+        })
+    };
+    let sub = |a: [f32; 3], b: [f32; 3]| -> [f32; 3] { std::array::from_fn(|k| a[k] - b[k]) };
+    let mut rays = Vec::with_capacity(count);
+    while rays.len() < count {
+        let corners = mesh.corners(rng.below(mesh.len()) as u32);
+        let [a, b, c] = corners;
+        let s = rng.unit();
+        let on_edge: [f32; 3] = std::array::from_fn(|k| a[k] + s * (b[k] - a[k]));
+        let r = rng.unit() * (1.0 - s);
+        let on_face: [f32; 3] = std::array::from_fn(|k| a[k] + s * (b[k] - a[k]) + r * (c[k] - a[k]));
+        let origin = inside(&mut rng, 1.2);
+        let axis = rng.below(3);
+        let sign = if rng.below(2) == 0 { 1.0 } else { -1.0 };
+        let along: [f32; 3] = std::array::from_fn(|k| if k == axis { sign } else { 0.0 });
+        let ray = match rays.len() % 10 {
+            0 => Ray::new(origin, sub(inside(&mut rng, 1.0), origin)),
+            1 => {
+                let mut start = on_face;
+                start[axis] =
+                    if sign > 0.0 { low[axis] } else { high[axis] } - sign * (high[axis] - low[axis]);
+                Ray::new(start, along)
+            }
+            2 => Ray::new(origin, sub(on_edge, origin)),
+            3 => Ray::new(origin, sub(a, origin)),
+            4 => {
+                let start: [f32; 3] = std::array::from_fn(|k| on_edge[k] - 2.0 * (c[k] - on_edge[k]));
+                Ray::new(start, sub(c, start))
+            }
+            5 => {
+                let mut start = origin;
+                start[axis] = on_face[axis] + 1e-6 * (high[axis] - low[axis]) * sign;
+                Ray::new(start, sub(on_face, start))
+            }
+            6 => Ray::new(on_face, sub(inside(&mut rng, 1.0), on_face)),
+            7 => {
+                // Inside a likely split plane, axis-parallel or not.
+                let mut start = origin;
+                start[axis] = a[axis];
+                let mut direction = sub(inside(&mut rng, 1.0), start);
+                direction[axis] = 0.0;
+                if rng.below(2) == 0 {
+                    direction[(axis + 1) % 3] = 0.0;
+                }
+                Ray::new(start, direction)
+            }
+            8 => {
+                // Towards a point of a face, over a range that begins or ends exactly there.
+                let ray = Ray::new(origin, sub(on_face, origin));
+                if rng.below(2) == 0 { ray.with_range(0.5, 1.0) } else { ray.with_range(1.0, 2.0) }
+            }
+            _ => {
+                let scale = [1e-12, 1e12, 1e-3, 3.0][rng.below(4)];
+                let direction = sub(on_face, origin).map(|x| x * scale);
+                Ray::new(origin, direction).with_range(f32::NEG_INFINITY, f32::INFINITY)
+            }
+        };
+        rays.push(ray);
+    }
+    rays
+}
