@@ -4,10 +4,11 @@ use std::num::NonZeroUsize;
 use thiserror::Error;
 
 /// A named set of [`BuildOptions`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Preset {
     /// Wald & Havran 2006 as in the paper: no T-reference, no collapse, 4-byte leaves only, file order.
+    #[default]
     Standard,
     /// The paper's tree at (occupancy, frequency) = (0.9, 0.7).
     PaperFast,
@@ -31,12 +32,6 @@ impl Preset {
     /// The preset of that name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|preset| preset.name() == name)
-    }
-}
-
-impl Default for Preset {
-    fn default() -> Self {
-        Self::Standard
     }
 }
 

@@ -53,10 +53,12 @@ impl<'a> BruteForce<'a> {
     fn offer_all(&self, ray: &Ray, sink: &mut impl Sink) {
         let Some(prepared) = PreparedRay::new(ray, &self.bounds) else { return };
         for &id in &self.triangles {
-            if let Some(found) = prepared.shear.intersect(&self.mesh.corners(id)) {
-                if ray.t_min <= found.t && found.t <= ray.t_max && sink.offer(found, id) {
-                    return;
-                }
+            if let Some(found) = prepared.shear.intersect(&self.mesh.corners(id))
+                && ray.t_min <= found.t
+                && found.t <= ray.t_max
+                && sink.offer(found, id)
+            {
+                return;
             }
         }
     }
