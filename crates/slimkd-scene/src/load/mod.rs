@@ -6,9 +6,15 @@
 //! fan of k − 2 consecutive triangles, and degenerate triangles keep their ids.
 
 mod error;
+mod gltf;
+mod obj;
 mod ply;
 mod progress;
 mod source;
+mod stl;
+mod text;
+mod textures;
+mod weld;
 
 pub use error::{LoadError, Place};
 pub use progress::LoadProgress;
@@ -23,12 +29,24 @@ use std::{fmt, path::Path};
 pub enum Format {
     /// Stanford PLY: text, or binary of either byte order.
     Ply,
+    /// Wavefront OBJ with MTL materials.
+    Obj,
+    /// STL, text or binary.
+    Stl,
+    /// glTF 2.0 as JSON.
+    Gltf,
+    /// glTF 2.0 as one binary file.
+    Glb,
 }
 
 impl fmt::Display for Format {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Ply => "PLY",
+            Self::Obj => "OBJ",
+            Self::Stl => "STL",
+            Self::Gltf => "glTF",
+            Self::Glb => "GLB",
         })
     }
 }
@@ -63,6 +81,10 @@ impl FileKind {
         };
         let format = match inner.as_str() {
             "ply" => Format::Ply,
+            "obj" => Format::Obj,
+            "stl" => Format::Stl,
+            "gltf" => Format::Gltf,
+            "glb" => Format::Glb,
             _ => return None,
         };
         Some(Self { format, compression })
@@ -124,7 +146,7 @@ pub fn load_bytes(kind: impl Into<FileKind>, bytes: &[u8]) -> Result<Scene, Load
 fn parse(
     format: Format,
     bytes: &[u8],
-    _folder: Folder<'_>,
+    folder: Folder<'_>,
     progress: &LoadProgress,
 ) -> Result<Scene, LoadError> {
     if bytes.is_empty() {
@@ -133,10 +155,24 @@ fn parse(
     progress.reach(progress::READ_SHARE)?;
     let mut scene = match format {
         Format::Ply => ply::parse(bytes, progress),
+        Format::Obj => obj::parse(bytes, folder, progress),
+        Format::Stl => stl::parse(bytes, progress),
+        Format::Gltf | Format::Glb => gltf::parse(format, bytes, folder, progress),
     }?;
     if scene.materials.is_empty() {
         scene.materials.push(Material::default());
     }
     progress.reach(1.0)?;
     Ok(scene)
+}
+
+/// Most warnings that a scene keeps: enough to see what is wrong.
+const MAX_WARNINGS: usize = 100;
+
+fn warn(warnings: &mut Vec<String>, warning: String) {
+    if warnings.len() < MAX_WARNINGS {
+        warnings.push(warning);
+    } else if warnings.len() == MAX_WARNINGS {
+        warnings.push("and more".to_owned());
+    }
 }

@@ -116,7 +116,7 @@ impl<'h> Body<'h> {
                 continue;
             }
             for entry in 0..element.count {
-                if entry % BLOCK == 0 {
+                if entry.is_multiple_of(BLOCK) {
                     progress.parsed(values.at(), bytes.len())?;
                 }
                 if current == self.vertex {
@@ -149,9 +149,9 @@ impl<'h> Body<'h> {
         {
             let vertex_count = self.elements[self.vertex].count;
             let taken = uniform::faces(rest, element, encoding, list, vertex_count, progress)?;
-            let Some((triangles, length)) = taken else { return Ok(false) };
-            self.triangles = triangles;
-            values.at += length;
+            let Some(faces) = taken else { return Ok(false) };
+            self.triangles = faces.triangles;
+            values.at += faces.bytes;
             return Ok(true);
         }
         if !element.is_fixed() {

@@ -73,8 +73,13 @@ pub(super) fn vertices(
     Ok(())
 }
 
-/// Reads faces of equally many corners. `data` is all that is left of the file. Returns the triangles and how many
-/// bytes they took; `None` when the faces are not all alike or not all valid: then the general path must look.
+/// The fans of all faces, and the bytes that they took.
+pub(super) struct Faces {
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) bytes: usize,
+}
+
+/// Reads faces of equally many corners. `data` is all that is left of the file. `None` when the faces are not all alike or not all valid: then the general path must look.
 pub(super) fn faces(
     data: &[u8],
     element: &Element,
@@ -82,7 +87,7 @@ pub(super) fn faces(
     list: usize,
     vertex_count: u64,
     progress: &LoadProgress,
-) -> Result<Option<(Vec<[u32; 3]>, usize)>, LoadError> {
+) -> Result<Option<Faces>, LoadError> {
     let big = encoding.is_big();
     let lists = element.properties.iter().filter(|property| property.length.is_some()).count();
     let Some(length) = element.properties[list].length.filter(|_| lists == 1) else { return Ok(None) };
@@ -147,5 +152,5 @@ pub(super) fn faces(
             Ok(true)
         })
         .try_reduce(|| true, |a, b| Ok::<_, LoadError>(a && b))?;
-    Ok(alike.then_some((triangles, total)))
+    Ok(alike.then_some(Faces { triangles, bytes: total }))
 }

@@ -4,7 +4,7 @@ use super::{
     header::{Encoding, Number},
     invalid,
 };
-use crate::load::{LoadError, Place, error::quoted};
+use crate::load::{LoadError, Place, error::quoted, text};
 
 /// The numbers of the file's data, in order. `f64` holds each of the format's types exactly.
 pub(super) trait Values {
@@ -91,11 +91,11 @@ impl Values for Text<'_> {
             return Err(cut_off(self.place()));
         }
         let word = &rest[..length];
-        let value = std::str::from_utf8(word).ok().and_then(|word| match number {
+        let value = match number {
             // Parsed as f32 so that it is rounded once.
-            Number::F32 => word.parse::<f32>().ok().map(f64::from),
-            _ => word.parse().ok(),
-        });
+            Number::F32 => text::number::<f32>(word).map(f64::from),
+            _ => text::number(word),
+        };
         let value = value.ok_or_else(|| {
             invalid(self.place(), format!("{} is not a number", quoted(word)), "write a number there")
         })?;

@@ -1,0 +1,89 @@
+//! Textures: PNG and JPEG to linear RGB.
+
+use super::source::{Folder, MAX_GROWTH};
+use crate::Texture;
+use image::{ImageReader, Limits};
+use std::{collections::HashMap, io::Cursor};
+
+/// Texels of all textures together that are never out of proportion, bytes: four of 2048 × 2048.
+const FREE_BYTES: u64 = 192 << 20;
+/// Bytes of a decoded texel.
+const TEXEL: u64 = 12;
+
+/// The textures of a scene while it is loaded.
+pub(super) struct Textures<'a> {
+    pub(super) folder: Folder<'a>,
+    pub(super) list: Vec<Texture>,
+    /// What was asked for, so that nothing is decoded twice; `None`: it failed.
+    known: HashMap<String, Option<u32>>,
+    /// Bytes that texels may still take.
+    left: u64,
+}
+
+impl<'a> Textures<'a> {
+    pub(super) fn new(folder: Folder<'a>) -> Self {
+        Self { folder, list: Vec::new(), known: HashMap::new(), left: FREE_BYTES }
+    }
+
+    /// The index of the texture known by `key`, whose encoded bytes `read` gives.
+    pub(super) fn get(
+        &mut self,
+        key: &str,
+        warnings: &mut Vec<String>,
+        read: impl FnOnce() -> Result<Vec<u8>, String>,
+    ) -> Option<u32> {
+        if let Some(&known) = self.known.get(key) {
+            return known;
+        }
+        let decoded = read().and_then(|bytes| {
+            self.left = self.left.saturating_add(bytes.len() as u64 * MAX_GROWTH);
+            decode(&bytes, &mut self.left)
+        });
+        let index = match decoded {
+            Ok(texture) => {
+                self.list.push(texture);
+                Some(self.list.len() as u32 - 1)
+            }
+            Err(why) => {
+                let key = super::error::quoted(key.as_bytes());
+                super::warn(warnings, format!("texture {key} was left out: {}", one_line(&why)));
+                None
+            }
+        };
+        self.known.insert(key.to_owned(), index);
+        index
+    }
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Decodes an image into texels that fit into `left` bytes, which it lessens.
+fn decode(bytes: &[u8], left: &mut u64) -> Result<Texture, String> {
+    let reader =
+        || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string());
+    let (width, height) = reader()?.into_dimensions().map_err(|error| error.to_string())?;
+    let needed = u64::from(width).saturating_mul(u64::from(height)).saturating_mul(TEXEL);
+    let rest = left.checked_sub(needed).ok_or_else(|| {
+        format!(
+            "{width} × {height} texels out of {} bytes are out of proportion; make it smaller",
+            bytes.len()
+        )
+    })?;
+    let mut reader = reader()?;
+    let mut limits = Limits::default();
+    // The decoder holds at most 8 bytes a texel (RGBA of 16 bits) and its own buffers.
+    limits.max_alloc = Some(needed + (64 << 20));
+    reader.limits(limits);
+    let image = reader.decode().map_err(|error| error.to_string())?.into_rgb8();
+    let linear: Vec<f32> = (0..=255u8).map(|value| linear(f32::from(value) / 255.0)).collect();
+    let texels = image.pixels().map(|pixel| pixel.0.map(|value| linear[usize::from(value)])).collect();
+    *left = rest;
+    Ok(Texture { width: image.width(), height: image.height(), texels })
+}
+
+/// sRGB (IEC 61966-2-1) to linear.
+fn linear(value: f32) -> f32 {
+    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+}
