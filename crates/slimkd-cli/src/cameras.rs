@@ -8,28 +8,35 @@ use slimkd_scene::{Camera, Scene};
 /// How many views a scene has.
 pub(crate) const VIEWS: usize = 3;
 
-/// The views that are asked for: the one that is named, or all three. `--up` is in `scene.up` by then.
-pub(crate) fn choose(args: &CameraArgs, scene: &Scene, tree: &KdTree) -> Result<Vec<Camera>, Failure> {
+/// One of a scene's views.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct View {
+    /// From 1.
+    pub(crate) number: usize,
+    /// Where it is seen from.
+    pub(crate) camera: Camera,
+}
+
+/// The views that are asked for: the one that is named, or all of them. `--up` is in `scene.up` by then.
+pub(crate) fn choose(args: &CameraArgs, scene: &Scene, tree: &KdTree) -> Result<Vec<View>, Failure> {
     let up = scene.up.unwrap_or_default();
-    if let Some(camera) = args.camera(up) {
-        return Ok(vec![camera]);
-    }
-    let mut cameras: Vec<_> = scene.cameras.iter().copied().take(VIEWS).collect();
-    if cameras.len() < args.view.map_or(VIEWS, usize::from) {
+    let mut cameras: Vec<_> = match args.camera(up) {
+        Some(camera) => vec![camera],
+        None => scene.cameras.iter().copied().take(VIEWS).collect(),
+    };
+    let wanted = args.view.map_or(1, usize::from);
+    if cameras.len() < wanted || (cameras.len() < VIEWS && !args.is_one()) {
         cameras.extend(find_views(tree, up));
         cameras.truncate(VIEWS);
     }
-    match args.view {
-        None => Ok(cameras),
-        Some(view) => match cameras.get(usize::from(view) - 1) {
-            Some(&camera) => Ok(vec![camera]),
-            None => Err(Failure::work(format_args!(
-                "{}: there are only {} views; give one with --camera",
-                scene.name,
-                cameras.len()
-            ))),
-        },
+    let views = cameras.into_iter().enumerate().map(|(index, camera)| View { number: index + 1, camera });
+    let views: Vec<_> =
+        views.filter(|view| args.view.is_none_or(|named| view.number == usize::from(named))).collect();
+    if views.is_empty() {
+        let what = "found no such view of it; give one with --camera";
+        return Err(Failure::work(format_args!("{}: {what}", scene.name)));
     }
+    Ok(views)
 }
 
 fn find_views(tree: &KdTree, up: slimkd_scene::UpAxis) -> Vec<Camera> {

@@ -9,6 +9,7 @@ mod cameras;
 mod commands;
 mod failure;
 mod interrupt;
+mod measure;
 mod output;
 mod ply;
 mod rays;
@@ -16,6 +17,7 @@ mod report;
 mod scenes;
 mod trees;
 mod ui;
+mod workloads;
 
 use args::{Cli, Command};
 use clap::Parser;
@@ -52,6 +54,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Build(args) => commands::build::run(args, ui),
         Command::Inspect(args) => commands::inspect::run(args, ui),
         Command::Trace(args) => commands::trace::run(args, ui),
+        Command::Bench(args) => commands::bench::run(args, ui),
         Command::Scene(args) => commands::scene::run(args, ui),
         Command::Completions(args) => commands::completions::run(args),
     }

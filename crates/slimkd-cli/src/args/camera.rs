@@ -24,6 +24,11 @@ pub(crate) struct CameraArgs {
 }
 
 impl CameraArgs {
+    /// True when a single view was named.
+    pub(crate) fn is_one(&self) -> bool {
+        self.view.is_some() || self.camera.is_some()
+    }
+
     /// Up as given.
     pub(crate) fn up(&self) -> Option<UpAxis> {
         self.up.map(|up| match up {

@@ -6,9 +6,9 @@ mod scene;
 mod tree;
 
 pub(crate) use camera::CameraArgs;
-pub(crate) use parse::{Size, triangles};
+pub(crate) use parse::{Size, threads, triangles};
 pub(crate) use scene::SceneArgs;
-pub(crate) use tree::{Kind, TreeArgs};
+pub(crate) use tree::{Kind, TreeArgs, TuningArgs, preset};
 
 use crate::commands;
 use clap::{Parser, Subcommand};
@@ -47,6 +47,8 @@ pub(crate) enum Command {
     Inspect(commands::inspect::InspectArgs),
     /// Trace rays from a file and write their hits to another
     Trace(commands::trace::TraceArgs),
+    /// Measure the presets against each other
+    Bench(commands::bench::BenchArgs),
     /// List the built-in scenes, or write one as a PLY file
     Scene(commands::scene::SceneCommandArgs),
     /// Print a completion script for a shell

@@ -11,7 +11,7 @@ use slimkd::Preset;
 use slimkd_render::{
     BitDepth, Development, Film, RenderError, RenderProgress, RenderSettings, ToneMap, render,
 };
-use slimkd_scene::{Camera, Scene};
+use slimkd_scene::Scene;
 use std::fmt::Write;
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
@@ -147,7 +147,7 @@ pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
     };
     trees::warn_of_degenerate(&tree.statistics, ui);
 
-    let camera = first_view(&args.camera, &loaded.scene, &tree)?;
+    let camera = cameras::choose(&args.camera, &loaded.scene, &tree.tree)?[0].camera;
     let (progress, started) = (RenderProgress::new(), Instant::now());
     let settings = args.picture.settings(args.tree.threads);
     let film = ui
@@ -172,12 +172,6 @@ pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
         grouped(progress.statistics().total())
     ));
     Ok(())
-}
-
-fn first_view(args: &CameraArgs, scene: &Scene, tree: &Tree) -> Result<Camera, Failure> {
-    cameras::choose(args, scene, &tree.tree)?.into_iter().next().ok_or_else(|| {
-        Failure::work(format_args!("{}: found no view of it; give one with --camera", scene.name))
-    })
 }
 
 /// Builds the scene's tree under every preset, one after the other, shows how large each is, and keeps the one that

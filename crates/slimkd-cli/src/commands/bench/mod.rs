@@ -1,0 +1,92 @@
+//! `slimkd bench`: rates of the presets on one scene, measured in turns within one run.
+
+mod report;
+mod runner;
+
+use crate::args::{CameraArgs, SceneArgs, TuningArgs, preset, threads};
+use crate::failure::Failure;
+use crate::trees::Tree;
+use crate::ui::Ui;
+use crate::{cameras, scenes, trees, ui};
+use clap::Args;
+use report::Report;
+use runner::{Bench, MOST_RAYS, Steps};
+use slimkd::Preset;
+use std::num::NonZeroUsize;
+
+const EXAMPLES: &str = "\
+Examples:
+  slimkd bench building.ply.zst
+  slimkd bench sponza.obj --presets standard,paper-small --view 1 --json
+  slimkd bench kitchen --triangles 1000000 --threads 4 --frames
+
+Workloads: primary (camera rays, closest hit), shadow (from there to a light, any hit), bounce (from there,
+cosine-distributed, closest hit), random (segments across the scene, closest hit). All presets must give the same
+hits, bit by bit, before any rate is reported. Rates are medians; compare them within one run only.";
+
+/// Arguments of `slimkd bench`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct BenchArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// The presets to compare; all unless given
+    #[arg(long, value_name = "a,b,...", value_delimiter = ',', value_parser = preset())]
+    presets: Vec<Preset>,
+    /// Threads to trace with
+    #[arg(long, value_name = "N", default_value = "1", value_parser = threads)]
+    threads: NonZeroUsize,
+    /// Rounds to take the median of
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(5..=1000))]
+    rounds: u32,
+    /// Rays of a workload; as many as take about a minute in all unless given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_RAYS as i64))]
+    rays: Option<u32>,
+    /// Measure whole pictures too: 1024 x 1024 pixels, one sample each
+    #[arg(long)]
+    frames: bool,
+    #[command(flatten)]
+    camera: CameraArgs,
+    #[command(flatten)]
+    tuning: TuningArgs,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Builds, compares, measures.
+pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
+    let mut loaded = scenes::load(&args.scene.scene, args.scene.triangles, ui)?;
+    loaded.scene.up = args.camera.up().or(loaded.scene.up);
+    let scene = &loaded.scene;
+    let mut presets: Vec<Preset> = Vec::new();
+    for &preset in if args.presets.is_empty() { Preset::ALL } else { &args.presets } {
+        if !presets.contains(&preset) {
+            presets.push(preset);
+        }
+    }
+    let built: Vec<(Preset, Tree)> = presets
+        .iter()
+        .map(|&preset| {
+            let options = args.tuning.options(preset, None);
+            Ok((preset, trees::build(&scene.name, &scene.mesh, loaded.seconds, &options, ui)?))
+        })
+        .collect::<Result<_, Failure>>()?;
+    trees::warn_of_degenerate(&built[0].1.statistics, ui);
+    let bench = Bench {
+        scene,
+        trees: built.iter().map(|(preset, tree)| (preset.name(), &tree.tree)).collect(),
+        views: cameras::choose(&args.camera, scene, &built[0].1.tree)?,
+        pool: trees::pool(args.threads.get())?,
+        rounds: args.rounds as usize,
+        rays: args.rays.map(|rays| rays as usize),
+    };
+    let steps = Steps::default();
+    let results = ui.watch("trace", &steps, || bench.rates(&steps, ui))?;
+    let frames = args.frames.then(|| {
+        let steps = Steps::default();
+        ui.watch("frames", &steps, || bench.frames(&steps))
+    });
+    let report = Report { results, frames: frames.transpose()? };
+    if args.json { ui::print_json(&report) } else { ui::print(&report.table()) }
+}

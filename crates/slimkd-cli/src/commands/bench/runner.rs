@@ -1,0 +1,208 @@
+//! The measuring itself.
+
+use super::report::{FrameRate, Rate};
+use crate::cameras::View;
+use crate::failure::Failure;
+use crate::measure::{Answers, Named, agree, median};
+use crate::ui::{Ui, Watched, grouped};
+use crate::workloads::{self, Workload};
+use rayon::ThreadPool;
+use slimkd::{KdTree, Ray};
+use slimkd_render::{Film, RenderError, RenderProgress, RenderSettings, render};
+use slimkd_scene::Scene;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::time::Instant;
+
+/// Seconds of tracing that a run may take by default, building aside: five presets then stay below a minute.
+const TIME: f64 = 40.0;
+/// Longest single run, s: more rays would not make a rate more certain.
+const LONGEST_RUN: f64 = 1.0;
+/// Fewest rays of a workload, unless there are no more: fewer than this is noise.
+const LEAST_RAYS: usize = 1 << 14;
+/// Most rays of a workload: the pixels of one picture.
+pub(super) const MOST_RAYS: usize = 1 << 20;
+/// Number of workloads.
+const WORKLOADS: usize = 4;
+/// Where rays are traced, and how.
+const DEVICE: &str = "cpu";
+const KERNEL: &str = "single";
+/// Edge of the pictures of `--frames`, pixels.
+const FRAME: u32 = 1024;
+
+/// What is measured, and with what.
+pub(super) struct Bench<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) trees: Vec<Named<'a>>,
+    pub(super) views: Vec<View>,
+    pub(super) pool: ThreadPool,
+    pub(super) rounds: usize,
+    pub(super) rays: Option<usize>,
+}
+
+impl Bench<'_> {
+    /// The rates of all presets on all workloads.
+    pub(super) fn rates(&self, steps: &Steps, ui: Ui) -> Result<Vec<Rate>, Failure> {
+        let workloads = self.workloads()?;
+        steps.expect(workloads.len() * (1 + self.rounds) * self.trees.len());
+        let mut hits = Vec::new();
+        for workload in &workloads {
+            let count = agree(&self.pool, &self.trees, workload)?;
+            steps.done(self.trees.len());
+            let share = 100.0 * count as f64 / workload.rays.len().max(1) as f64;
+            let rays = grouped(workload.rays.len() as u64);
+            ui.note(format_args!(
+                "{}: {rays} rays, {share:.1} % hit, the same with all presets",
+                workload.name
+            ));
+            hits.push(count);
+        }
+        let mut answers = Answers::default();
+        let mut rates = vec![vec![Vec::new(); self.trees.len()]; workloads.len()];
+        for round in 0..self.rounds {
+            for (workload, rates) in workloads.iter().zip(&mut rates) {
+                for turn in 0..self.trees.len() {
+                    // Another preset begins each time, so that none always runs in the wake of the same one.
+                    let index = (turn + round) % self.trees.len();
+                    let tree = self.trees[index].1;
+                    let seconds = answers.trace(&self.pool, tree, &workload.rays, workload.any)?;
+                    rates[index].push(workload.rays.len() as f64 / seconds.max(1e-9) / 1e6);
+                    steps.done(1);
+                }
+            }
+        }
+        let mut results = Vec::new();
+        for ((workload, hits), mut rates) in workloads.iter().zip(hits).zip(rates) {
+            for ((preset, _), rates) in self.trees.iter().zip(&mut rates) {
+                results.push(Rate {
+                    preset,
+                    kernel: KERNEL,
+                    device: DEVICE,
+                    threads: self.pool.current_num_threads(),
+                    workload: workload.name,
+                    rays: workload.rays.len(),
+                    hits,
+                    mrays_per_s: median(rates),
+                });
+            }
+        }
+        Ok(results)
+    }
+
+    /// The rays, as many as the time allows.
+    fn workloads(&self) -> Result<Vec<Workload>, Failure> {
+        let tree = self.trees[0].1;
+        let mut answers = Answers::default();
+        let most = self.rays.unwrap_or(MOST_RAYS);
+        let mut primary = workloads::primary(&self.views, most);
+        let count = self.affordable(&primary, false)?;
+        primary.truncate(count);
+        answers.trace(&self.pool, tree, &primary, false)?;
+        let mut workloads = workloads::all(self.scene, tree, &self.views, primary, answers.closest());
+        for workload in &mut workloads {
+            let count = self.affordable(&workload.rays, workload.any)?;
+            workload.rays.truncate(count);
+        }
+        // A workload without a ray has no rate: the camera sees nothing, or no light.
+        workloads.retain(|workload| !workload.rays.is_empty());
+        Ok(workloads)
+    }
+
+    /// How many of these rays one run should trace, from the rate of the first preset on the first of them.
+    fn affordable(&self, rays: &[Ray], any: bool) -> Result<usize, Failure> {
+        if self.rays.is_some() {
+            return Ok(rays.len());
+        }
+        let runs = self.trees.len() * (self.rounds + 1) * WORKLOADS;
+        let seconds = (TIME / runs as f64).min(LONGEST_RUN);
+        let sample = &rays[..rays.len().min(LEAST_RAYS)];
+        let mut answers = Answers::default();
+        // The first run warms the caches.
+        answers.trace(&self.pool, self.trees[0].1, &sample[..sample.len() / 2], any)?;
+        let took = answers.trace(&self.pool, self.trees[0].1, sample, any)?;
+        let count = (sample.len() as f64 / took.max(1e-9) * seconds) as usize;
+        Ok(count.clamp(LEAST_RAYS, MOST_RAYS).min(rays.len()))
+    }
+
+    /// Pictures a second of all presets and views.
+    pub(super) fn frames(&self, steps: &Steps) -> Result<Vec<FrameRate>, Failure> {
+        steps.expect(self.views.len() * (1 + self.rounds) * self.trees.len());
+        let mut results = Vec::new();
+        for view in &self.views {
+            let mut first: Option<Film> = None;
+            for (preset, tree) in &self.trees {
+                let film = self.picture(tree, view)?;
+                steps.done(1);
+                let reference = first.get_or_insert_with(|| film.clone());
+                if *reference != film {
+                    return Err(Failure::work(format_args!(
+                        "{preset} and {} show view {} differently, so no rate is reported; this is a bug in slimkd, \
+                         please report it",
+                        self.trees[0].0, view.number
+                    )));
+                }
+            }
+            let mut rates = vec![Vec::new(); self.trees.len()];
+            for round in 0..self.rounds {
+                for turn in 0..self.trees.len() {
+                    let index = (turn + round) % self.trees.len();
+                    let started = Instant::now();
+                    self.picture(self.trees[index].1, view)?;
+                    rates[index].push(1.0 / started.elapsed().as_secs_f64().max(1e-9));
+                    steps.done(1);
+                }
+            }
+            for ((preset, _), rates) in self.trees.iter().zip(&mut rates) {
+                results.push(FrameRate {
+                    preset,
+                    device: DEVICE,
+                    threads: self.pool.current_num_threads(),
+                    view: view.number,
+                    frames_per_s: median(rates),
+                });
+            }
+        }
+        Ok(results)
+    }
+
+    fn picture(&self, tree: &KdTree, view: &View) -> Result<Film, Failure> {
+        let mut settings = RenderSettings::sized(FRAME, FRAME);
+        settings.samples = 1;
+        let progress = RenderProgress::new();
+        // Passes Ctrl-C on; the bar is that of all pictures together.
+        Ui::new(true)
+            .watch("", &progress, || {
+                self.pool.install(|| {
+                    render(self.scene, tree, &view.camera, &self.scene.lights, &settings, &progress)
+                })
+            })
+            .map_err(|error| match error {
+                RenderError::Cancelled => Failure::Interrupted,
+                other => Failure::work(format_args!("{}: view {}: {other}", self.scene.name, view.number)),
+            })
+    }
+}
+
+/// How many runs are done, of how many. Runs look at Ctrl-C themselves, so there is nothing to cancel.
+#[derive(Default)]
+pub(super) struct Steps {
+    total: AtomicUsize,
+    done: AtomicUsize,
+}
+
+impl Steps {
+    fn expect(&self, total: usize) {
+        self.total.store(total, Relaxed);
+    }
+
+    fn done(&self, steps: usize) {
+        self.done.fetch_add(steps, Relaxed);
+    }
+}
+
+impl Watched for Steps {
+    fn fraction(&self) -> f64 {
+        self.done.load(Relaxed) as f64 / self.total.load(Relaxed).max(1) as f64
+    }
+
+    fn cancel(&self) {}
+}

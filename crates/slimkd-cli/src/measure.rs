@@ -1,0 +1,164 @@
+//! Rates of trees that must agree: every answer is compared before the clock runs, then the trees take turns.
+
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::workloads::Workload;
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use slimkd::{Hit, KdTree, Ray};
+use std::time::Instant;
+
+/// Rays that a thread takes at a time.
+const CHUNK: usize = 1024;
+
+/// Room for the answers to a workload, so that no run allocates.
+#[derive(Default)]
+pub(crate) struct Answers {
+    closest: Vec<Option<Hit>>,
+    any: Vec<bool>,
+}
+
+impl Answers {
+    /// Traces `rays`, in the pool's threads; the seconds that it took. Fails on Ctrl-C only.
+    pub(crate) fn trace(
+        &mut self,
+        pool: &ThreadPool,
+        tree: &KdTree,
+        rays: &[Ray],
+        any: bool,
+    ) -> Result<f64, Failure> {
+        if any {
+            self.any.resize(rays.len(), false);
+            time(pool, rays, &mut self.any, |rays, hits| tree.any_hits(rays, hits))
+        } else {
+            self.closest.resize(rays.len(), None);
+            time(pool, rays, &mut self.closest, |rays, hits| tree.closest_hits(rays, hits))
+        }
+    }
+
+    /// The closest hits of the last trace of closest hits.
+    pub(crate) fn closest(&self) -> &[Option<Hit>] {
+        &self.closest
+    }
+
+    /// How many of a workload's rays hit.
+    fn count(&self, any: bool) -> usize {
+        if any { self.any.iter().filter(|&&hit| hit).count() } else { self.closest.iter().flatten().count() }
+    }
+
+    /// The first ray whose answer differs from `other`'s, by a single bit.
+    fn difference(&self, other: &Self, any: bool) -> Option<usize> {
+        let bits = |hit: &Option<Hit>| hit.map(|hit| (hit.triangle, [hit.t, hit.u, hit.v].map(f32::to_bits)));
+        if any {
+            self.any.iter().zip(&other.any).position(|(a, b)| a != b)
+        } else {
+            self.closest.iter().zip(&other.closest).position(|(a, b)| bits(a) != bits(b))
+        }
+    }
+
+    fn show(&self, any: bool, index: usize) -> String {
+        if any {
+            return format!("hit: {}", self.any[index]);
+        }
+        self.closest[index].map_or("a miss".to_owned(), |hit| {
+            format!("triangle {}, t {:?}, u {:?}, v {:?}", hit.triangle, hit.t, hit.u, hit.v)
+        })
+    }
+}
+
+fn time<T: Send>(
+    pool: &ThreadPool,
+    rays: &[Ray],
+    hits: &mut [T],
+    trace: impl Fn(&[Ray], &mut [T]) + Sync,
+) -> Result<f64, Failure> {
+    let chunks = rays.par_chunks(CHUNK).zip(hits.par_chunks_mut(CHUNK));
+    let started = Instant::now();
+    pool.install(|| {
+        chunks.for_each(|(rays, hits)| {
+            // One relaxed load in a thousand rays costs nothing, and Ctrl-C need not wait for the rest.
+            if !interrupt::pending() {
+                trace(rays, hits);
+            }
+        });
+    });
+    let seconds = started.elapsed().as_secs_f64();
+    interrupt::check()?;
+    Ok(seconds)
+}
+
+/// A tree under its preset's name.
+pub(crate) type Named<'a> = (&'static str, &'a KdTree);
+
+/// Compares the answers of all trees to a workload; how many rays hit.
+pub(crate) fn agree(pool: &ThreadPool, trees: &[Named<'_>], workload: &Workload) -> Result<usize, Failure> {
+    let (mut first, mut other) = (Answers::default(), Answers::default());
+    let Workload { name, any, rays } = workload;
+    for (index, (preset, tree)) in trees.iter().enumerate() {
+        if index == 0 {
+            first.trace(pool, tree, rays, *any)?;
+            continue;
+        }
+        other.trace(pool, tree, rays, *any)?;
+        if let Some(ray) = first.difference(&other, *any) {
+            return Err(Failure::work(format_args!(
+                "{preset} and {} answer {name} ray {ray} differently ({} and {}), so no rate is reported; \
+                 this is a bug in slimkd, please report it with {:?}",
+                trees[0].0,
+                other.show(*any, ray),
+                first.show(*any, ray),
+                rays[ray]
+            )));
+        }
+    }
+    Ok(first.count(*any))
+}
+
+/// The middle of `values`, or the mean of the two in the middle.
+pub(crate) fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    match values.len() {
+        0 => f64::NAN,
+        n if n % 2 == 1 => values[n / 2],
+        n => 0.5 * (values[n / 2 - 1] + values[n / 2]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slimkd::{BuildOptions, TriangleMesh};
+
+    fn tree(height: f32) -> KdTree {
+        let vertices = vec![[0.0, 0.0, height], [1.0, 0.0, height], [0.0, 1.0, height]];
+        KdTree::build(TriangleMesh::new(vertices, vec![[0, 1, 2]]).unwrap(), &BuildOptions::default())
+            .unwrap()
+    }
+
+    fn workload(any: bool) -> Workload {
+        let rays = (0..100).map(|k| Ray::new([k as f32 * 0.01, 0.2, 5.0], [0.0, 0.0, -1.0])).collect();
+        Workload { name: "test", any, rays }
+    }
+
+    #[test]
+    fn trees_that_differ_are_found_out() {
+        let (a, b, c) = (tree(0.0), tree(0.0), tree(1.0));
+        let pool = crate::trees::pool(2).unwrap();
+        for any in [false, true] {
+            let hits = agree(&pool, &[("a", &a), ("b", &b)], &workload(any)).unwrap();
+            assert!((79..=82).contains(&hits), "{hits}");
+        }
+        let failure = agree(&pool, &[("a", &a), ("b", &b), ("c", &c)], &workload(false)).unwrap_err();
+        assert_eq!(failure.status(), 1);
+        assert!(failure.to_string().starts_with("c and a answer test ray 0 differently"), "{failure}");
+        // Whether there is a hit is the same in both.
+        assert!(agree(&pool, &[("a", &a), ("c", &c)], &workload(true)).is_ok());
+    }
+
+    #[test]
+    fn medians() {
+        assert_eq!(median(&mut [3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(&mut [4.0, 1.0, 2.0, 3.0]), 2.5);
+        assert!(median(&mut []).is_nan());
+    }
+}
