@@ -1,0 +1,138 @@
+//! What every contender gives once it is built, and what it tells about itself.
+
+use slimkd::{KdTree, Ray, TriangleMesh};
+use std::sync::Arc;
+
+/// A closest hit as all libraries can report it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// Distance in units of the direction; `+inf` on a miss.
+    pub t: f32,
+    /// Public triangle id; `u32::MAX` on a miss.
+    pub triangle: u32,
+}
+
+impl Found {
+    /// Nothing.
+    pub const MISS: Self = Self { t: f32::INFINITY, triangle: u32::MAX };
+
+    /// False on a miss.
+    pub fn is_hit(&self) -> bool {
+        self.triangle != u32::MAX
+    }
+}
+
+/// How rays are handed over. Packets and streams get their variants when they are measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Interface {
+    /// One call a ray.
+    Single,
+}
+
+impl Interface {
+    /// The name in tables and JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Single => "single",
+        }
+    }
+}
+
+/// Where a size comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SizeSource {
+    /// Lengths of its public buffers times their element sizes.
+    Exact,
+    /// The library's own report.
+    OwnReport,
+    /// Bytes that the build left allocated, capacity slack included.
+    Counted,
+}
+
+impl SizeSource {
+    /// The name in tables and JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::OwnReport => "own-report",
+            Self::Counted => "counted",
+        }
+    }
+}
+
+/// What a contender needs in memory to trace and to report public ids.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bytes {
+    /// Nodes, index lists, and triangle blocks inside them.
+    pub structure: u64,
+    /// Triangle data that is kept beside it for tracing.
+    pub copies: u64,
+    /// The caller's indexed mesh where tracing reads it, else 0.
+    pub mesh_read: u64,
+    /// Where `structure` comes from.
+    pub source: SizeSource,
+}
+
+impl Bytes {
+    /// Everything added to the bare mesh.
+    pub fn tree(&self) -> u64 {
+        self.structure + self.copies
+    }
+
+    /// Everything that must stay in memory.
+    pub fn resident(&self) -> u64 {
+        self.tree() + self.mesh_read
+    }
+}
+
+/// A built structure. All batches have one output a ray; the loop over a batch is the contender's own code, so no
+/// dynamic call is paid by ray.
+pub trait Traced: Send + Sync {
+    /// Closest hits.
+    fn closest(&self, rays: &[Ray], found: &mut [Found]);
+
+    /// Whether anything is hit.
+    fn any(&self, rays: &[Ray], blocked: &mut [bool]);
+
+    /// Its size; `counted` is what the build left allocated.
+    fn bytes(&self, counted: u64) -> Bytes;
+
+    /// slimkd's own tree, through which views are found.
+    fn kd_tree(&self) -> Option<&KdTree> {
+        None
+    }
+}
+
+/// Facts about a contender that do not depend on the scene.
+#[derive(Clone, Debug)]
+pub struct Info {
+    /// Unique, without spaces: what `--peers` selects by.
+    pub name: String,
+    /// The library.
+    pub library: &'static str,
+    /// Its version.
+    pub version: String,
+    /// What differs from its defaults, and how triangles are kept.
+    pub settings: String,
+    /// Constants of its surface area heuristic.
+    pub sah: String,
+}
+
+/// Something that can be built over a mesh.
+pub trait Contender: Sync {
+    /// Who it is.
+    fn info(&self) -> Info;
+
+    /// Why it should not be built over so large a mesh without `--all`.
+    fn too_slow(&self, _mesh: &TriangleMesh) -> Option<String> {
+        None
+    }
+
+    /// False where a build always uses all threads.
+    fn threads_controllable(&self) -> bool {
+        true
+    }
+
+    /// Builds it. Runs inside a rayon pool of `threads` threads.
+    fn build(&self, mesh: &Arc<TriangleMesh>, threads: usize) -> Result<Box<dyn Traced>, String>;
+}

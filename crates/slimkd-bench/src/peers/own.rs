@@ -1,0 +1,73 @@
+//! slimkd itself, one contender a preset.
+
+use super::locked_version;
+use crate::built::{Bytes, Contender, Found, Info, SizeSource, Traced};
+use slimkd::{BuildOptions, KdTree, Preset, Ray, TriangleMesh};
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+
+pub(super) struct Own {
+    options: BuildOptions,
+}
+
+impl Own {
+    pub(super) fn new(preset: Preset) -> Self {
+        Self { options: preset.into() }
+    }
+}
+
+impl Contender for Own {
+    fn info(&self) -> Info {
+        let sah = self.options.sah;
+        Info {
+            name: format!("slimkd-{}", self.options.preset.name()),
+            library: "slimkd",
+            version: locked_version("slimkd"),
+            settings: "preset as it is; also returns u, v".into(),
+            sah: format!(
+                "traversal {}, intersection {}, empty bonus {}, leaf at most {}, clipping {:?}",
+                sah.traversal,
+                sah.intersection,
+                sah.empty_bonus,
+                self.options.leaf_at_most,
+                self.options.clipping
+            ),
+        }
+    }
+
+    fn build(&self, mesh: &Arc<TriangleMesh>, threads: usize) -> Result<Box<dyn Traced>, String> {
+        let mut options = self.options.clone();
+        options.threads = NonZeroUsize::new(threads);
+        let tree = KdTree::build(mesh.clone(), &options).map_err(|error| error.to_string())?;
+        Ok(Box::new(tree))
+    }
+}
+
+impl Traced for KdTree {
+    fn closest(&self, rays: &[Ray], found: &mut [Found]) {
+        for (ray, slot) in rays.iter().zip(found) {
+            *slot =
+                self.closest_hit(ray).map_or(Found::MISS, |hit| Found { t: hit.t, triangle: hit.triangle });
+        }
+    }
+
+    fn any(&self, rays: &[Ray], blocked: &mut [bool]) {
+        for (ray, slot) in rays.iter().zip(blocked) {
+            *slot = self.any_hit(ray);
+        }
+    }
+
+    fn bytes(&self, _counted: u64) -> Bytes {
+        let memory = self.memory();
+        Bytes {
+            structure: memory.tree() - memory.triangle_copies,
+            copies: memory.triangle_copies,
+            mesh_read: memory.mesh,
+            source: SizeSource::Exact,
+        }
+    }
+
+    fn kd_tree(&self) -> Option<&KdTree> {
+        Some(self)
+    }
+}

@@ -1,0 +1,179 @@
+//! The report as text for a terminal.
+
+use super::{ContenderReport, Measurement, Report};
+use crate::agree::MARKED_SHARE;
+use crate::median::median;
+use crate::peers::EMBREE;
+use std::fmt::Write as _;
+
+/// Columns of text, the first to the left and the rest to the right, as wide as they must be.
+struct Grid(Vec<Vec<String>>);
+
+impl Grid {
+    fn new(head: &[&str]) -> Self {
+        Self(vec![head.iter().map(|&cell| cell.to_owned()).collect()])
+    }
+
+    fn print(&self, out: &mut String) {
+        let columns = self.0[0].len();
+        let width = |k: usize| self.0.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
+        let widths: Vec<usize> = (0..columns).map(width).collect();
+        for row in &self.0 {
+            let mut line = format!("{:<1$}", row[0], widths[0]);
+            for (cell, width) in row.iter().zip(&widths).skip(1) {
+                let _ = write!(line, "  {cell:>width$}");
+            }
+            let _ = writeln!(out, "{}", line.trim_end());
+        }
+        out.push('\n');
+    }
+}
+
+fn figure(value: Option<f64>) -> String {
+    match value {
+        None => "-".into(),
+        Some(x) if x < 10.0 => format!("{x:.2}"),
+        Some(x) if x < 100.0 => format!("{x:.1}"),
+        Some(x) => format!("{x:.0}"),
+    }
+}
+
+/// The whole report.
+pub fn table(report: &Report) -> String {
+    let mut out = String::new();
+    head(report, &mut out);
+    contenders(report, &mut out);
+    agreement(report, &mut out);
+    for &threads in &report.settings.threads {
+        rates(report, threads, &mut out);
+    }
+    for contender in &report.contenders {
+        let ContenderReport { name, library, version, settings, sah, .. } = contender;
+        let _ = writeln!(out, "{name}: {library} {version}; {settings}. SAH: {sah}.");
+    }
+    for skipped in &report.skipped {
+        let _ = writeln!(out, "skipped {}: {}", skipped.name, skipped.reason);
+    }
+    out
+}
+
+fn head(report: &Report, out: &mut String) {
+    let (scene, machine, settings) = (&report.scene, &report.machine, &report.settings);
+    let _ = writeln!(
+        out,
+        "{}: {} triangles, {} vertices, mesh {:.1} B/tri. {}, {} threads; compiled for {}.",
+        scene.name,
+        scene.triangles,
+        scene.vertices,
+        scene.mesh_bytes as f64 / scene.triangles.max(1) as f64,
+        machine.cpu.as_deref().unwrap_or("unknown processor"),
+        machine.parallelism,
+        if machine.compiled_for.is_empty() { "the baseline".into() } else { machine.compiled_for.join(" ") },
+    );
+    for workload in &report.workloads {
+        let share = 100.0 * workload.hits as f64 / workload.rays.max(1) as f64;
+        let _ = writeln!(
+            out,
+            "{}: {} rays, {} hit, {share:.1} % hits",
+            workload.name, workload.rays, workload.kind
+        );
+    }
+    if settings.rounds < 5 || !machine.optimised {
+        let _ =
+            writeln!(out, "A SMOKE RUN (few rounds or debug assertions): its figures are not to be quoted.");
+    }
+    out.push('\n');
+}
+
+fn contenders(report: &Report, out: &mut String) {
+    let threads = &report.settings.threads;
+    let builds: Vec<String> = threads.iter().map(|n| format!("build s, {n} thr")).collect();
+    let mut titles = vec!["size and build", "tree B/tri", "copies", "mesh read", "resident", "source"];
+    titles.extend(builds.iter().map(String::as_str));
+    let mut grid = Grid::new(&titles);
+    for contender in &report.contenders {
+        let bytes = &contender.bytes;
+        let each = |bytes: u64| figure(Some(bytes as f64 / report.scene.triangles.max(1) as f64));
+        let mut row = vec![
+            contender.name.clone(),
+            each(bytes.tree),
+            each(bytes.copies),
+            each(bytes.mesh_read),
+            each(bytes.resident),
+            bytes.source.clone(),
+        ];
+        for n in threads {
+            let own = contender.builds.iter().find(|build| build.threads == Some(*n));
+            let free = contender.builds.iter().find(|build| build.threads.is_none());
+            row.push(match (own, free) {
+                (Some(build), _) => figure(median(&build.seconds)),
+                (None, Some(build)) => format!("{}*", figure(median(&build.seconds))),
+                (None, None) => "-".into(),
+            });
+        }
+        grid.0.push(row);
+    }
+    grid.print(out);
+    if report.contenders.iter().flat_map(|c| &c.builds).any(|build| build.threads.is_none()) {
+        out.push_str("* takes as many threads as it likes\n\n");
+    }
+}
+
+fn agreement(report: &Report, out: &mut String) {
+    let mut titles = vec!["wrong + excused rays"];
+    titles.extend(report.workloads.iter().map(|workload| workload.name.as_str()));
+    let mut grid = Grid::new(&titles);
+    for contender in report.contenders.iter().filter(|c| c.identical != Some(true)) {
+        let mut row = vec![mark(contender)];
+        for workload in &report.workloads {
+            let counts = contender.agreement.iter().find(|a| a.workload == workload.name);
+            row.push(
+                counts.map_or("-".into(), |a| format!("{} + {}", a.agreement.wrong(), a.agreement.excused)),
+            );
+        }
+        grid.0.push(row);
+    }
+    if grid.0.len() > 1 {
+        grid.print(out);
+    }
+    let identical: Vec<&str> =
+        report.contenders.iter().filter(|c| c.identical == Some(true)).map(|c| c.name.as_str()).collect();
+    let _ = writeln!(out, "bit-identical hits: {}", identical.join(", "));
+    if report.contenders.iter().any(|c| c.marked) {
+        let _ = writeln!(out, "! wrong in more than {MARKED_SHARE:e} of some workload's rays");
+    }
+    out.push('\n');
+}
+
+fn mark(contender: &ContenderReport) -> String {
+    format!("{}{}", contender.name, if contender.marked { " !" } else { "" })
+}
+
+fn rates(report: &Report, threads: usize, out: &mut String) {
+    let has_embree = report.contenders.iter().any(|c| c.name == EMBREE);
+    let first = format!("{threads} thread{}", if threads == 1 { "" } else { "s" });
+    let mut titles = vec![first];
+    for workload in &report.workloads {
+        titles.push(format!("{} Mrays/s", workload.name));
+        titles.push("x std".into());
+        if has_embree {
+            titles.push("x emb".into());
+        }
+    }
+    let mut grid = Grid::new(&titles.iter().map(String::as_str).collect::<Vec<_>>());
+    for contender in &report.contenders {
+        let mut row = vec![mark(contender)];
+        for workload in &report.workloads {
+            let found = report.measurements.iter().find(|m: &&Measurement| {
+                m.contender == contender.name && m.workload == workload.name && m.threads == threads
+            });
+            row.push(figure(found.map(|m| m.mrays_per_s)));
+            row.push(figure(found.and_then(|m| m.ratio_to_standard)));
+            if has_embree {
+                row.push(figure(found.and_then(|m| m.ratio_to_embree)));
+            }
+        }
+        grid.0.push(row);
+    }
+    grid.print(out);
+}

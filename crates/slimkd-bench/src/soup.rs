@@ -1,0 +1,18 @@
+//! A mesh for tests and first runs: small triangles scattered through a cube.
+
+use crate::rng::Rng;
+use slimkd::TriangleMesh;
+
+/// `triangles` random triangles with edges of about 5 % of the unit cube that they lie in.
+pub fn soup(triangles: u32, seed: u64) -> TriangleMesh {
+    let mut rng = Rng::new(seed);
+    let mut vertices = Vec::with_capacity(3 * triangles as usize);
+    for _ in 0..triangles {
+        let centre: [f32; 3] = std::array::from_fn(|_| rng.unit());
+        for _ in 0..3 {
+            vertices.push(centre.map(|x| x + rng.between(-0.05, 0.05)));
+        }
+    }
+    let indices = (0..triangles).map(|id| [3 * id, 3 * id + 1, 3 * id + 2]).collect();
+    TriangleMesh::new(vertices, indices).expect("indices are counted up with the vertices")
+}
