@@ -13,12 +13,14 @@
 
 mod builder;
 mod conference;
+mod courtyard;
 mod frame;
 mod kitchen;
 mod math;
 mod palette;
 mod shapes;
 mod stage;
+mod tree;
 
 use crate::{Scene, UpAxis};
 use builder::Builder;
@@ -49,6 +51,12 @@ const SCENES: &[BuiltIn] = &[
         description: "a conference room with swivel chairs, blinds, a screen and a louvred ceiling",
         triangles: 300_000,
         draw: conference::draw,
+    },
+    BuiltIn {
+        name: "courtyard",
+        description: "a planted courtyard with arcades, tiled roofs, trees, hedges and a fountain",
+        triangles: 1_000_000,
+        draw: courtyard::draw,
     },
 ];
 

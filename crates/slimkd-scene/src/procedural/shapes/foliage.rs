@@ -12,6 +12,21 @@ pub(crate) struct Leaf {
     pub(crate) droop: f32,
 }
 
+impl Leaf {
+    /// A leaf of about `size` metres at `base`, lying in any direction but mostly flat.
+    pub(crate) fn scattered(rng: &mut Rng, base: Vec3, size: f32, droop: f32) -> Self {
+        let mut way = rng.direction();
+        way.y *= 0.5;
+        let length = size * rng.range(0.7, 1.15);
+        Self {
+            base,
+            way: way.normalize_or(Vec3::X) * length,
+            width: 0.55 * length,
+            droop: droop * rng.unit(),
+        }
+    }
+}
+
 impl Builder {
     /// `count` leaves of four triangles, folded along the midrib and drooping at the tip.
     pub(crate) fn leaves(&mut self, count: usize, mut leaf: impl FnMut(&mut Rng) -> Leaf) {
