@@ -12,6 +12,7 @@
 //! ```
 
 mod builder;
+mod building;
 mod conference;
 mod courtyard;
 mod frame;
@@ -51,6 +52,12 @@ const SCENES: &[BuiltIn] = &[
         description: "a conference room with swivel chairs, blinds, a screen and a louvred ceiling",
         triangles: 300_000,
         draw: conference::draw,
+    },
+    BuiltIn {
+        name: "building",
+        description: "a glazed office building of six storeys with stairs, desks, chairs, shelves and cables",
+        triangles: 1_500_000,
+        draw: building::draw,
     },
     BuiltIn {
         name: "courtyard",

@@ -54,7 +54,7 @@ pub(super) fn draw(b: &mut Builder, p: &Paints) {
             b.patch(n, m, Closure::OPEN, |u, v| {
                 let (s, c) = sin_cos(PI * u);
                 let radius = 0.48 * width * (1.0 - 0.12 * v);
-                let out = Vec3::X * c + normal * s;
+                let out = Vec3::X * c + normal * (s * (0.2 / width).min(1.0));
                 // The lower end of a tile lies on the one below it.
                 (
                     at(x + skew * v, t0 + (t1 - t0) * v) + out * radius + normal * (0.045 * (1.0 - v) + lift),
