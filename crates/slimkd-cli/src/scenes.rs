@@ -100,7 +100,10 @@ fn generate(found: &'static BuiltIn, triangles: Option<NonZeroU32>) -> Result<Lo
     let triangles = triangles.map_or(found.triangles, |count| count.get() as usize);
     let started = Instant::now();
     let (done, scenes) = channel();
-    std::thread::spawn(move || done.send(procedural::generate(found.name, triangles)));
+    std::thread::spawn(move || {
+        // After Ctrl-C nobody listens any more.
+        let _ = done.send(procedural::generate(found.name, triangles));
+    });
     let scene = loop {
         match scenes.recv_timeout(TICK) {
             Ok(scene) => break scene,

@@ -25,13 +25,13 @@ pub(crate) struct TreeArgs {
 #[command(next_help_heading = "Tree")]
 pub(crate) struct TuningArgs {
     /// Cost of a traversal step in the surface area heuristic; the preset's unless given
-    #[arg(long, value_name = "COST", value_parser = positive)]
+    #[arg(long, value_name = "COST", value_parser = positive, allow_negative_numbers = true)]
     sah_traversal: Option<f32>,
     /// Cost of a triangle test in the surface area heuristic; the preset's unless given
-    #[arg(long, value_name = "COST", value_parser = positive)]
+    #[arg(long, value_name = "COST", value_parser = positive, allow_negative_numbers = true)]
     sah_intersection: Option<f32>,
     /// Factor on the cost of a split with an empty side: 1 is no bonus; the preset's unless given
-    #[arg(long, value_name = "FACTOR", value_parser = positive)]
+    #[arg(long, value_name = "FACTOR", value_parser = positive, allow_negative_numbers = true)]
     empty_bonus: Option<f32>,
 }
 
