@@ -19,6 +19,7 @@ mod frame;
 mod kitchen;
 mod math;
 mod palette;
+mod power_plant;
 mod shapes;
 mod stage;
 mod tree;
@@ -64,6 +65,12 @@ const SCENES: &[BuiltIn] = &[
         description: "a planted courtyard with arcades, tiled roofs, trees, hedges and a fountain",
         triangles: 1_000_000,
         draw: courtyard::draw,
+    },
+    BuiltIn {
+        name: "power-plant",
+        description: "a power plant: boiler house, turbines, pipe racks, stairs, tanks, chimneys, pylons",
+        triangles: 2_000_000,
+        draw: power_plant::draw,
     },
 ];
 
