@@ -1,6 +1,7 @@
 //! Ctrl-C: a flag that all long work looks at.
 
 use crate::failure::Failure;
+use std::io::{Read, Write};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
@@ -18,6 +19,31 @@ pub(crate) fn listen() {
 /// True once Ctrl-C was pressed.
 pub(crate) fn pending() -> bool {
     INTERRUPTED.load(Relaxed)
+}
+
+/// A reader or writer that fails once Ctrl-C was pressed: it ends library calls that know nothing of it.
+pub(crate) struct Interruptible<T>(pub(crate) T);
+
+fn io_check() -> std::io::Result<()> {
+    check().map_err(|failure| std::io::Error::other(failure.to_string()))
+}
+
+impl<T: Read> Read for Interruptible<T> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        io_check()?;
+        self.0.read(buffer)
+    }
+}
+
+impl<T: Write> Write for Interruptible<T> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        io_check()?;
+        self.0.write(bytes)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.0.flush()
+    }
 }
 
 /// An error once Ctrl-C was pressed.

@@ -1,7 +1,7 @@
 //! Files that appear whole or not at all: written beside their target, then renamed over it.
 
 use crate::failure::Failure;
-use crate::interrupt;
+use crate::interrupt::{self, Interruptible};
 use std::fs::{self, File, OpenOptions};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -16,12 +16,14 @@ pub(crate) struct Output {
     replaceable: bool,
 }
 
+type Stream<T> = BufWriter<Interruptible<T>>;
+
 /// An [`Output`] being written.
 pub(crate) enum Draft {
     /// To be renamed.
-    Beside(BufWriter<NamedTempFile>, PathBuf),
+    Beside(Stream<NamedTempFile>, PathBuf),
     /// A device or a pipe.
-    InPlace(BufWriter<File>, PathBuf),
+    InPlace(Stream<File>, PathBuf),
 }
 
 impl Output {
@@ -48,10 +50,10 @@ impl Output {
     pub(crate) fn draft(&self) -> Result<Draft, Failure> {
         let path = self.target.clone();
         if self.replaceable {
-            return Ok(Draft::Beside(BufWriter::new(self.beside()?), path));
+            return Ok(Draft::Beside(BufWriter::new(Interruptible(self.beside()?)), path));
         }
         let file = OpenOptions::new().write(true).open(&path).map_err(|error| unwritable(&path, &error))?;
-        Ok(Draft::InPlace(BufWriter::new(file), path))
+        Ok(Draft::InPlace(BufWriter::new(Interruptible(file)), path))
     }
 
     fn beside(&self) -> Result<NamedTempFile, Failure> {
@@ -78,7 +80,7 @@ impl Draft {
             Self::Beside(writer, path) => {
                 let file = writer.into_inner().map_err(|error| unwritable(&path, error.error()))?;
                 interrupt::check()?;
-                file.persist(&path).map_err(|error| unwritable(&path, &error.error))?;
+                file.0.persist(&path).map_err(|error| unwritable(&path, &error.error))?;
                 Ok(())
             }
             Self::InPlace(mut writer, path) => writer.flush().map_err(|error| unwritable(&path, &error)),
@@ -88,10 +90,6 @@ impl Draft {
 
 impl Write for Draft {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        // Ends the writers of libraries, which know nothing of Ctrl-C.
-        if interrupt::pending() {
-            return Err(std::io::Error::other(Failure::Interrupted.to_string()));
-        }
         match self {
             Self::Beside(writer, _) => writer.write(bytes),
             Self::InPlace(writer, _) => writer.write(bytes),
@@ -110,7 +108,7 @@ impl Write for Draft {
 pub(crate) fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
     // tempfile adds the temporary file's path to the message; only the cause concerns the user.
     let cause = error.raw_os_error().map_or_else(|| error.to_string(), os_message);
-    Failure::at(path, format_args!("cannot write: {cause}; choose another place with -o"))
+    Failure::at(path, format_args!("cannot write: {cause}; choose another place"))
 }
 
 fn os_message(code: i32) -> String {

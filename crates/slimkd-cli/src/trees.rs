@@ -1,9 +1,9 @@
 //! From a scene to a tree, or a tree from its file, with everything that reports say about it.
 
 use crate::allocator::Watermark;
-use crate::args::TreeArgs;
+use crate::args::{SourceArgs, TreeArgs};
 use crate::failure::Failure;
-use crate::interrupt;
+use crate::interrupt::{self, Interruptible};
 use crate::scenes;
 use crate::ui::{Ui, grouped};
 use slimkd::{BuildError, BuildOptions, KdTree, Progress, TreeStatistics, TriangleMesh};
@@ -85,14 +85,10 @@ pub(crate) fn build(
 }
 
 /// Reads a saved tree, or loads a scene and builds its tree.
-pub(crate) fn read_or_build(
-    scene: &Path,
-    triangles: Option<std::num::NonZeroU32>,
-    args: &TreeArgs,
-    ui: Ui,
-) -> Result<Tree, Failure> {
+pub(crate) fn read_or_build(source: &SourceArgs, args: &TreeArgs, ui: Ui) -> Result<Tree, Failure> {
+    let SourceArgs { source: scene, triangles } = source;
     if !is_saved(scene) {
-        let loaded = scenes::load(scene, triangles, ui)?;
+        let loaded = scenes::load(scene, *triangles, ui)?;
         let tree = build(&loaded.scene.name, &loaded.scene.mesh, loaded.seconds, &args.options(), ui)?;
         warn_of_degenerate(&tree.statistics, ui);
         return Ok(tree);
@@ -109,7 +105,7 @@ pub(crate) fn read_or_build(
             if file.metadata()?.is_dir() { Err(std::io::ErrorKind::IsADirectory.into()) } else { Ok(file) }
         })
         .map_err(|error| Failure::at(scene, format_args!("cannot read: {error}; check the path")))?;
-    let tree = KdTree::read(&mut BufReader::with_capacity(1 << 20, file))
+    let tree = KdTree::read(&mut BufReader::with_capacity(1 << 20, Interruptible(file)))
         .map_err(|error| Failure::at(scene, error))?;
     let load_seconds = started.elapsed().as_secs_f64();
     let name = scene.file_stem().unwrap_or_default().to_string_lossy().into_owned();

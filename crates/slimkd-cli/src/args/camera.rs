@@ -18,7 +18,7 @@ pub(crate) struct CameraArgs {
     /// Eye, target and vertical field of view in degrees (60 unless given), in the scene's units
     #[arg(long, value_name = "ex,ey,ez,tx,ty,tz[,fov]", allow_hyphen_values = true)]
     camera: Option<RawCamera>,
-    /// Which axis points up; what the file says unless given, else y
+    /// Which axis points up; what the file says unless given, else a guess from the scene's surfaces
     #[arg(long, value_enum)]
     up: Option<Up>,
 }

@@ -7,7 +7,7 @@ mod tree;
 
 pub(crate) use camera::CameraArgs;
 pub(crate) use parse::{Size, threads, triangles};
-pub(crate) use scene::SceneArgs;
+pub(crate) use scene::{SceneArgs, SourceArgs};
 pub(crate) use tree::{Kind, TreeArgs, TuningArgs, preset};
 
 use crate::commands;
@@ -27,13 +27,14 @@ pub(crate) struct Cli {
 
 const EXAMPLES: &str = "\
 Examples:
-  slimkd render                                a picture of the built-in kitchen, and how small its tree gets
+  slimkd render            a picture of the built-in kitchen, and how small its tree gets
   slimkd render model.glb -o model.png
   slimkd build building.ply.zst --preset standard
   slimkd inspect building.ply.zst --json
   slimkd scene --list
 
-SCENE is a file (.ply .obj .stl .gltf .glb, each also with .zst or .gz behind it) or the name of a built-in scene.
+SCENE is a file (.ply .obj .stl .gltf .glb, each also with .zst or .gz behind it) or the
+name of a built-in scene.
 Exit status: 0 done, 1 the work failed, 2 wrong usage, 130 interrupted.";
 
 /// The commands.

@@ -10,8 +10,7 @@ use std::num::NonZeroUsize;
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Tree")]
 pub(crate) struct TreeArgs {
-    /// Which tree to build
-    #[arg(long, value_name = "P", value_parser = preset())]
+    #[arg(long, value_name = "P", value_parser = preset(), help = preset_help())]
     pub(crate) preset: Option<Preset>,
     #[command(flatten)]
     pub(crate) tuning: TuningArgs,
@@ -58,6 +57,10 @@ impl TuningArgs {
         set(&mut options.sah.empty_bonus, self.empty_bonus);
         options
     }
+}
+
+fn preset_help() -> String {
+    format!("Which tree to build; {} unless given", Preset::default().name())
 }
 
 /// Parses a preset's name; the error and the help list them all.

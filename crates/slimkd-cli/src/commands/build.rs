@@ -21,14 +21,14 @@ Examples:
 pub(crate) struct BuildArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    #[command(flatten)]
-    tree: TreeArgs,
     /// Save the tree, with its mesh
     #[arg(short, long, value_name = "tree.skd")]
     output: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    tree: TreeArgs,
 }
 
 /// Builds, reports, saves.

@@ -56,13 +56,13 @@ struct PictureArgs {
     #[arg(long, value_name = "WxH", default_value = "1024x1024")]
     size: Size,
     /// Samples per pixel
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    #[arg(long, value_name = "N", default_value_t = RenderSettings::default().samples, value_parser = clap::value_parser!(u32).range(1..=4096))]
     spp: u32,
     /// How often a ray may be mirrored or refracted
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(0..=64))]
+    #[arg(long, value_name = "N", default_value_t = RenderSettings::default().max_depth, value_parser = clap::value_parser!(u32).range(0..=64))]
     bounces: u32,
     /// Ambient occlusion rays per visible point; 0 is none
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
+    #[arg(long, value_name = "N", default_value_t = RenderSettings::default().occlusion, value_parser = clap::value_parser!(u32).range(0..=1024))]
     occlusion: u32,
     /// Stops by which a .png is made brighter, or darker if negative
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]

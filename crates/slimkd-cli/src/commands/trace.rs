@@ -1,6 +1,6 @@
 //! `slimkd trace`: rays from a file, hits to a file, a batch at a time.
 
-use crate::args::{Kind, SceneArgs, TreeArgs};
+use crate::args::{Kind, SourceArgs, TreeArgs};
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::output::{Output, unwritable};
@@ -23,17 +23,15 @@ Examples:
   slimkd trace building.skd --rays rays.f32 --out hits.bin --kind any --threads 4
 
 Rays: little-endian f32 x 8 each, ox oy oz t_min dx dy dz t_max.
-Hits: 16 bytes each, t f32 (+inf on a miss), triangle u32 (0xFFFFFFFF on a miss), u f32, v f32;
-with --kind any, t is 0 on a hit and only \"hit or not\" counts.";
+Hits: 16 bytes each, t f32 (+inf on a miss), triangle u32 (0xFFFFFFFF on a miss), u f32,
+v f32; with --kind any, t is 0 on a hit and only \"hit or not\" counts.";
 
-/// Arguments of `slimkd trace`. SCENE may also be a saved tree.
+/// Arguments of `slimkd trace`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct TraceArgs {
     #[command(flatten)]
-    scene: SceneArgs,
-    #[command(flatten)]
-    tree: TreeArgs,
+    source: SourceArgs,
     /// The rays to trace
     #[arg(long, value_name = "rays.f32")]
     rays: PathBuf,
@@ -46,6 +44,8 @@ pub(crate) struct TraceArgs {
     /// How rays are traced; the hits are the same with all
     #[arg(long, value_enum, default_value_t = Kernel::Single)]
     kernel: Kernel,
+    #[command(flatten)]
+    tree: TreeArgs,
 }
 
 /// A traversal kernel. All give the same hits, so a choice that has no kernel of its own in this version traces ray
@@ -64,7 +64,7 @@ enum Kernel {
 pub(crate) fn run(args: &TraceArgs, ui: Ui) -> Result<(), Failure> {
     let output = Output::prepare(&args.out)?;
     let mut input = RayFile::open(&args.rays)?;
-    let tree = crate::trees::read_or_build(&args.scene.scene, args.scene.triangles, &args.tree, ui)?;
+    let tree = crate::trees::read_or_build(&args.source, &args.tree, ui)?;
     if args.kernel != Kernel::Single {
         ui.note("this version traces ray by ray whatever --kernel says; the hits are the same");
     }

@@ -20,9 +20,10 @@ Examples:
   slimkd bench sponza.obj --presets standard,paper-small --view 1 --json
   slimkd bench kitchen --triangles 1000000 --threads 4 --frames
 
-Workloads: primary (camera rays, closest hit), shadow (from there to a light, any hit), bounce (from there,
-cosine-distributed, closest hit), random (segments across the scene, closest hit). All presets must give the same
-hits, bit by bit, before any rate is reported. Rates are medians; compare them within one run only.";
+Workloads: primary (camera rays, closest hit), shadow (from there to a light, any hit),
+bounce (from there, cosine-distributed, closest hit), random (segments across the scene,
+closest hit). All presets must give the same hits, bit by bit, before any rate is reported.
+Rates are medians; compare them within one run only.";
 
 /// Arguments of `slimkd bench`.
 #[derive(Debug, Args)]
@@ -45,13 +46,13 @@ pub(crate) struct BenchArgs {
     /// Measure whole pictures too: 1024 x 1024 pixels, one sample each
     #[arg(long)]
     frames: bool,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
     #[command(flatten)]
     camera: CameraArgs,
     #[command(flatten)]
     tuning: TuningArgs,
-    /// Print one JSON object
-    #[arg(long)]
-    json: bool,
 }
 
 /// Builds, compares, measures.

@@ -166,7 +166,9 @@ impl Bench<'_> {
 
     fn picture(&self, tree: &KdTree, view: &View) -> Result<Film, Failure> {
         let mut settings = RenderSettings::sized(FRAME, FRAME);
+        // Whitted's rays alone.
         settings.samples = 1;
+        settings.occlusion = 0;
         let progress = RenderProgress::new();
         // Passes Ctrl-C on; the bar is that of all pictures together.
         Ui::new(true)
