@@ -168,10 +168,9 @@ impl Film {
             let [r, g, b] = self.pixels[at.y() * width + at.x()];
             (r, g, b)
         };
-        Image::from_channels(size, SpecificChannels::rgb(pixel))
-            .write()
-            .to_buffered(to)
-            .map_err(|e| e.to_string())
+        let channels = SpecificChannels::rgb(pixel);
+        let layer = Layer::new(size, LayerAttributes::default(), Encoding::SMALL_LOSSLESS, channels);
+        Image::from_layer(layer).write().to_buffered(to).map_err(|e| e.to_string())
     }
 }
 

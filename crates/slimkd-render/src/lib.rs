@@ -31,6 +31,7 @@ mod shade;
 mod surface;
 mod tile;
 mod tone;
+pub mod views;
 
 pub use camera::CameraError;
 pub use film::{BitDepth, Film, FilmError};

@@ -8,11 +8,15 @@ use slimkd_scene::{Camera, Light};
 /// Edge of the grid of rays that looks at the scene before lights are set.
 const PROBES: u32 = 16;
 /// Irradiance of the headlight at the median distance of what the camera sees.
-const HEADLIGHT: f32 = 0.25;
+const HEADLIGHT: f32 = 0.12;
 /// Irradiance of the sun.
 const SUN: f32 = 0.75;
 /// Irradiance of the ceiling lamp at the median distance of what the camera sees.
-const LAMP: f32 = 0.6;
+const LAMP: f32 = 0.25;
+/// Irradiance that lamps may reach on what is near, so that it is not blown out.
+const GLARE: f32 = 0.6;
+/// Height of the ceiling lamp over the free height.
+const LAMP_HEIGHT: f32 = 0.6;
 /// Below this share of sunlit points the camera is indoors and gets a lamp.
 const INDOORS: f32 = 0.25;
 
@@ -29,7 +33,11 @@ pub fn default_lights(tree: &KdTree, camera: &Camera, up: Vec3) -> Vec<Light> {
         (Vec3::from(bounds.max).as_dvec3() - Vec3::from(bounds.min).as_dvec3()).length() as f32
     };
     let seen = probe(tree, &frame);
-    let median = seen.get(seen.len() / 2).map_or(diagonal, |(_, hit)| hit.t).max(diagonal * 1e-4);
+    let at = |share: usize| seen.get(seen.len() * share / 100).map(|(_, hit)| hit.t);
+    let median = at(50).unwrap_or(diagonal).max(diagonal * 1e-4);
+
+    let near = at(10).unwrap_or(median);
+    let headlight = (HEADLIGHT * median * median).min(GLARE * near * near);
 
     // The sun stands over the viewer's left shoulder.
     let forward = (camera.target - camera.eye).normalize_or(Vec3::NEG_Z);
@@ -37,7 +45,7 @@ pub fn default_lights(tree: &KdTree, camera: &Camera, up: Vec3) -> Vec<Light> {
     let ahead = up.cross(right);
     let sun = -(up * 1.0 - right * 0.55 - ahead * 0.45).normalize();
     let mut lights = vec![
-        Light::Point { position: camera.eye, intensity: Vec3::splat(HEADLIGHT * median * median) },
+        Light::Point { position: camera.eye, intensity: Vec3::splat(headlight) },
         Light::Directional { direction: sun, irradiance: Vec3::new(1.0, 0.97, 0.92) * SUN },
     ];
 
@@ -46,8 +54,12 @@ pub fn default_lights(tree: &KdTree, camera: &Camera, up: Vec3) -> Vec<Light> {
         !tree.any_hit(&Ray::new(point, -sun))
     });
     if !seen.is_empty() && (sunlit.count() as f32) < INDOORS * seen.len() as f32 {
-        let position = below_ceiling(tree, camera.eye + forward * (median * 0.5), camera.eye, up, median);
-        let intensity = Vec3::new(1.0, 0.96, 0.9) * (LAMP * median * median);
+        let base = eye_or(tree, camera.eye, camera.eye + forward * (median * 0.5));
+        let free = tree.closest_hit(&Ray::new(base, up)).map_or(median, |hit| hit.t.min(median));
+        let position = base + up * (LAMP_HEIGHT * free);
+        let below = (1.0 - LAMP_HEIGHT) * free;
+        let power = (LAMP * median * median).min(4.0 * GLARE * below * below);
+        let intensity = Vec3::new(1.0, 0.96, 0.9) * power;
         lights.push(Light::Point { position, intensity });
     }
     lights
@@ -65,10 +77,8 @@ fn probe(tree: &KdTree, frame: &PinholeFrame) -> Vec<(Ray, Hit)> {
     seen
 }
 
-/// A place over `point` at three quarters of the free height, if the eye sees `point`; else over the eye.
-fn below_ceiling(tree: &KdTree, point: Vec3, eye: Vec3, up: Vec3, median: f32) -> Vec3 {
-    let clear = !tree.any_hit(&Ray::new(eye, point - eye).with_range(0.0, 1.0));
-    let base = if clear { point } else { eye };
-    let free = tree.closest_hit(&Ray::new(base, up)).map_or(median, |hit| hit.t.min(median));
-    base + up * (0.75 * free)
+/// `point` if the eye sees it, else the eye.
+fn eye_or(tree: &KdTree, eye: Vec3, point: Vec3) -> Vec3 {
+    let blocked = tree.any_hit(&Ray::new(eye, point - eye).with_range(0.0, 1.0));
+    if blocked { eye } else { point }
 }

@@ -21,8 +21,8 @@ impl Default for Sky {
         Self {
             zenith: Vec3::new(0.30, 0.46, 0.72),
             horizon: Vec3::new(0.80, 0.86, 0.92),
-            ground: Vec3::new(0.46, 0.43, 0.39),
-            ambient: 0.45,
+            ground: Vec3::new(0.36, 0.36, 0.37),
+            ambient: 0.55,
         }
     }
 }
@@ -56,7 +56,7 @@ pub struct RenderSettings {
     pub max_depth: u32,
     /// A mirrored or refracted ray with less influence on the pixel than this (0 to 1) is not traced.
     pub min_contribution: f32,
-    /// Ambient occlusion rays per primary hit; 0 takes the ambient light as it is.
+    /// Ambient occlusion rays per primary hit, for soft shading in corners; 0 takes the ambient light as it is.
     pub occlusion: u32,
     /// What surrounds the scene.
     pub sky: Sky,
@@ -72,7 +72,7 @@ impl Default for RenderSettings {
             samples: 4,
             max_depth: 5,
             min_contribution: 1.0 / 256.0,
-            occlusion: 0,
+            occlusion: 2,
             sky: Sky::default(),
             threads: None,
         }

@@ -42,8 +42,10 @@ pub(crate) struct Path {
     pub(crate) depth: u32,
     /// Its influence on the pixel, 0 to 1.
     pub(crate) weight: f32,
-    /// Random bits of this sample.
+    /// Random bits of this pixel.
     pub(crate) seed: u32,
+    /// Which of the pixel's samples it belongs to.
+    pub(crate) sample: u32,
 }
 
 impl Shader<'_> {
@@ -204,10 +206,11 @@ impl Shader<'_> {
         if count == 0 || path.depth > 0 {
             return 1.0;
         }
+        let total = count * self.settings.samples;
         let (tangent, bitangent) = surface.shading.any_orthonormal_pair();
         let mut open = 0.0;
         for index in 0..count {
-            let point = sampling::stratified(path.seed, index, count);
+            let point = sampling::stratified(path.seed, path.sample * count + index, total);
             // Cosine-weighted directions (Malley's method).
             let (radius, angle) = (point.x.sqrt(), point.y * std::f32::consts::TAU);
             let height = (1.0 - point.x).max(0.0).sqrt();

@@ -62,7 +62,7 @@ pub(crate) fn trace_tile(
         trace_primary(shader.tree, &rays, &mut hits);
         counts.primary += rays.len() as u64;
         for (index, &(x, y)) in pixels.iter().enumerate() {
-            let path = Path { depth: 0, weight: 1.0, seed: sampling::hash(x, y, sample + 1) };
+            let path = Path { depth: 0, weight: 1.0, seed: sampling::hash(x, y, 1), sample };
             let colour = shader.radiance(&rays[index], hits[index].as_ref(), path, &mut counts);
             // A light of absurd strength must not leave holes in the picture.
             sums[index] += if colour.is_finite() { colour.max(Vec3::ZERO) } else { Vec3::ZERO };
