@@ -22,14 +22,13 @@ fn main() -> ExitCode {
             }
         };
         let seconds = start.elapsed().as_secs_f64();
-        let (mesh, bounds) = (&scene.mesh, scene.mesh.bounds());
+        let mesh = &scene.mesh;
         println!(
             "{}: {} triangles, {} vertices, {seconds:.3} s",
             scene.name,
             mesh.len(),
             mesh.vertices().len()
         );
-        println!("  bounds {:?} to {:?}", bounds.min, bounds.max);
         println!(
             "  normals {}, texture coordinates {}, {} materials, {} textures, {} cameras, {} lights",
             if scene.normals.is_some() { "yes" } else { "no" },

@@ -190,8 +190,8 @@ impl Folder<'_> {
 
     fn path(self, name: &str) -> Result<PathBuf, String> {
         let folder = self.0.ok_or("a scene from memory has no files beside it")?;
-        // Files from Windows name folders by backslashes.
-        Ok(folder.join(if cfg!(windows) { name.to_owned() } else { name.replace('\\', "/") }))
+        // Files from Windows name folders by backslashes; Windows takes slashes as well.
+        Ok(folder.join(name.replace('\\', "/")))
     }
 }
 

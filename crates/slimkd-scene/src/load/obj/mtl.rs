@@ -104,9 +104,9 @@ fn map_file(map: &str, textures: &Textures<'_>) -> String {
         && !textures.folder.has(map)
         && let Some(last) = map.split_whitespace().next_back()
     {
-        return last.to_owned();
+        return last.replace('\\', "/");
     }
-    map.to_owned()
+    map.replace('\\', "/")
 }
 
 fn finite(value: Option<f32>) -> Option<f32> {

@@ -104,7 +104,8 @@ impl Values for Text<'_> {
     }
 
     fn place(&self) -> Place {
-        Place::Line(self.line)
+        let ahead = self.bytes[self.at..].iter().take_while(|byte| byte.is_ascii_whitespace());
+        Place::Line(self.line + ahead.filter(|&&byte| byte == b'\n').count() as u64)
     }
 
     fn at(&self) -> usize {
