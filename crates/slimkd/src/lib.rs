@@ -16,10 +16,12 @@
 
 pub mod build;
 pub mod geometry;
+pub mod reduce;
 pub mod traverse;
 pub mod tree;
 
 pub use build::{BuildError, BuildOptions, Clipping, Preset, Progress, SahConstants};
 pub use geometry::{Aabb, MeshError, Ray, TriangleMesh};
+pub use reduce::{CountedLeaves, HoistAlgorithm, Hoisting, OccupancyBase, WhenLeafRemains};
 pub use traverse::{BruteForce, Hit};
 pub use tree::{FileError, KdTree, MemoryReport, TreeStatistics};

@@ -74,6 +74,24 @@ pub(crate) fn split_bounds(
     axis: usize,
     position: f32,
 ) -> (Option<Aabb>, Option<Aabb>) {
+    let polygon = polygon_in(corners, voxel);
+    let (left_voxel, right_voxel) = voxel.split(axis, position);
+    let left = rounded_bounds(&polygon.clip(axis, position.into(), -1.0), &left_voxel);
+    let right = rounded_bounds(&polygon.clip(axis, position.into(), 1.0), &right_voxel);
+    if left.is_none() && right.is_none() {
+        // Rounding ate the triangle: it touches the voxel at most in a corner. Never lose it.
+        return (Some(left_voxel), Some(right_voxel));
+    }
+    (left, right)
+}
+
+/// Bounds of what a voxel holds of a triangle that is in it.
+pub(crate) fn clipped_bounds(corners: &[[f32; 3]; 3], voxel: &Aabb) -> Aabb {
+    // Where rounding eats the triangle, the whole voxel is a safe answer.
+    rounded_bounds(&polygon_in(corners, voxel), voxel).unwrap_or(*voxel)
+}
+
+fn polygon_in(corners: &[[f32; 3]; 3], voxel: &Aabb) -> Polygon {
     let mut polygon = Polygon { corners: [[0.0; 3]; MAX_CORNERS + 1], len: 3 };
     for (to, from) in polygon.corners.iter_mut().zip(corners) {
         *to = from.map(f64::from);
@@ -88,14 +106,7 @@ pub(crate) fn split_bounds(
             polygon = polygon.clip(k, high, -1.0);
         }
     }
-    let (left_voxel, right_voxel) = voxel.split(axis, position);
-    let left = rounded_bounds(&polygon.clip(axis, position.into(), -1.0), &left_voxel);
-    let right = rounded_bounds(&polygon.clip(axis, position.into(), 1.0), &right_voxel);
-    if left.is_none() && right.is_none() {
-        // Rounding ate the triangle: it touches the voxel at most in a corner. Never lose it.
-        return (Some(left_voxel), Some(right_voxel));
-    }
-    (left, right)
+    polygon
 }
 
 /// Bounds rounded outwards to f32 and cut to the voxel.
@@ -104,12 +115,7 @@ fn rounded_bounds(polygon: &Polygon, voxel: &Aabb) -> Option<Aabb> {
         return None;
     }
     let (min, max) = polygon.bounds();
-    let mut out = Aabb::EMPTY;
-    for k in 0..3 {
-        out.min[k] = round_down(min[k]).clamp(voxel.min[k], voxel.max[k]);
-        out.max[k] = round_up(max[k]).clamp(voxel.min[k], voxel.max[k]);
-    }
-    Some(out)
+    Some(Aabb { min: min.map(round_down), max: max.map(round_up) }.cut_to(voxel))
 }
 
 fn round_down(x: f64) -> f32 {

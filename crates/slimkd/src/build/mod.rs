@@ -13,4 +13,4 @@ mod sweep;
 pub use options::{BuildError, BuildOptions, Clipping, Preset, SahConstants};
 pub(crate) use plan::{Plan, PlanNode};
 pub use progress::Progress;
-pub(crate) use recursion::build;
+pub(crate) use recursion::Builder;

@@ -1,5 +1,6 @@
 //! Everything that shapes a tree, and the named points of that space.
 
+use crate::reduce::Hoisting;
 use std::num::NonZeroUsize;
 use thiserror::Error;
 
@@ -83,6 +84,10 @@ pub struct BuildOptions {
     pub clipping: Clipping,
     /// Whether leaves may use the 2-byte mode.
     pub two_byte_leaves: bool,
+    /// The paper's T-references; `None` keeps every triangle in the leaves.
+    pub hoisting: Option<Hoisting>,
+    /// Whether subtrees that SAH finds no cheaper than a leaf become one.
+    pub collapse: bool,
     /// Threads to build with; `None` uses the current rayon pool. The tree is the same at any count.
     pub threads: Option<NonZeroUsize>,
 }
@@ -90,12 +95,19 @@ pub struct BuildOptions {
 impl From<Preset> for BuildOptions {
     fn from(preset: Preset) -> Self {
         let sah = SahConstants { traversal: 15.0, intersection: 17.5, empty_bonus: 1.0 };
+        let hoisting = match preset {
+            Preset::Standard => None,
+            Preset::PaperFast => Some(Hoisting::new(0.9, 0.7)),
+            Preset::PaperSmall => Some(Hoisting::new(0.5, 0.4)),
+        };
         Self {
             preset,
             sah,
             leaf_at_most: 4,
             clipping: Clipping::Exact,
             two_byte_leaves: preset != Preset::Standard,
+            hoisting,
+            collapse: false,
             threads: None,
         }
     }

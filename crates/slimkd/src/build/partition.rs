@@ -6,7 +6,7 @@
 //! Deviation: the right child's list replaces its parent's in place, since a child never has more events of a
 //! triangle than its parent had. The left child's list is new.
 
-use super::clip::split_bounds;
+use super::clip::{clipped_bounds, split_bounds};
 use super::event::{Event, Kind, ordered, push_events};
 use super::options::Clipping;
 use super::sweep::Split;
@@ -99,11 +99,11 @@ fn clip_straddlers(
     }
     let (left_voxel, right_voxel) = voxel.split(split.axis, split.position);
     for &id in &scratch.straddlers {
-        let corners = mesh.corners(id);
         let (left, right) = if exact {
-            split_bounds(&corners, voxel, split.axis, split.position)
+            split_bounds(&mesh.corners(id), voxel, split.axis, split.position)
         } else {
-            (Some(boxed(&corners, &left_voxel)), Some(boxed(&corners, &right_voxel)))
+            let bounds = triangle_bounds(mesh, id);
+            (Some(bounds.cut_to(&left_voxel)), Some(bounds.cut_to(&right_voxel)))
         };
         for (bounds, lists, count) in [
             (left, &mut scratch.new_left, &mut counts.left),
@@ -122,15 +122,16 @@ fn clip_straddlers(
     }
 }
 
-/// The triangle's own box, cut to the voxel.
-fn boxed(corners: &[[f32; 3]; 3], voxel: &Aabb) -> Aabb {
+/// Bounds of a whole triangle.
+pub(crate) fn triangle_bounds(mesh: &TriangleMesh, id: u32) -> Aabb {
     let mut bounds = Aabb::EMPTY;
-    corners.iter().for_each(|&corner| bounds.include(corner));
-    for k in 0..3 {
-        bounds.min[k] = bounds.min[k].clamp(voxel.min[k], voxel.max[k]);
-        bounds.max[k] = bounds.max[k].clamp(voxel.min[k], voxel.max[k]);
-    }
+    mesh.corners(id).into_iter().for_each(|corner| bounds.include(corner));
     bounds
+}
+
+/// Bounds of what a voxel holds of a triangle that is in it.
+pub(crate) fn bounds_in(mesh: &TriangleMesh, id: u32, voxel: &Aabb, exact: bool) -> Aabb {
+    if exact { clipped_bounds(&mesh.corners(id), voxel) } else { triangle_bounds(mesh, id).cut_to(voxel) }
 }
 
 /// Splits one axis' list, which is `list[start..]`: afterwards the right child's is `list[start..start + n]`, with n

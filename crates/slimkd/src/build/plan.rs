@@ -17,6 +17,8 @@ pub(crate) enum PlanNode {
 pub(crate) struct Plan {
     pub(crate) nodes: Vec<PlanNode>,
     pub(crate) references: Vec<u32>,
+    /// Triangles under each node before any hoisting; empty unless the reduction asks for it.
+    pub(crate) counts: Vec<u32>,
     /// T-references as (node, triangle), ascending by node.
     pub(crate) hoisted: Vec<(u32, u32)>,
 }
@@ -30,5 +32,6 @@ impl Plan {
             PlanNode::Leaf { first, count } => PlanNode::Leaf { first: first + references, count },
         }));
         self.references.extend_from_slice(&subtree.references);
+        self.counts.extend_from_slice(&subtree.counts);
     }
 }

@@ -8,7 +8,7 @@
 //! 3. Every decision depends on the node's contents alone, so thread count and scheduling leave no trace in the tree.
 
 use super::event::{Event, TRIANGLE_LIMIT, push_events};
-use super::partition::{Scratch, classify, split_list};
+use super::partition::{Scratch, bounds_in, classify, split_list, triangle_bounds};
 use super::plan::{Plan, PlanNode};
 use super::sah::VoxelSah;
 use super::sweep::{Split, best_on_axis, cheapest};
@@ -24,8 +24,8 @@ const PARALLEL_DEPTH: u32 = 24;
 /// Share of the progress bar for making and sorting events, measured on scenes of 0.1 to 7 M triangles.
 const SORT_SHARE: f64 = 0.1;
 
-/// What all workers of a build share.
-struct Shared<'a> {
+/// Builds standard trees over parts of one mesh; what all workers of a build share.
+pub(crate) struct Builder<'a> {
     mesh: &'a TriangleMesh,
     options: &'a BuildOptions,
     progress: &'a Progress,
@@ -44,53 +44,17 @@ struct Task {
 /// A plan in pieces, so that joining subtrees copies nothing until the end.
 enum Piece {
     Plan(Plan),
-    Inner { axis: u8, split: f32, left: Box<Piece>, right: Box<Piece> },
-}
-
-/// Builds the standard tree over `triangles` inside `voxel`.
-pub(crate) fn build(
-    mesh: &TriangleMesh,
-    triangles: &[u32],
-    voxel: Aabb,
-    options: &BuildOptions,
-    progress: &Progress,
-) -> Result<Plan, BuildError> {
-    let (needed, limit) = (mesh.len() as u64, TRIANGLE_LIMIT);
-    if needed > limit {
-        return Err(BuildError::TooLarge { what: "triangles", needed, limit });
-    }
-    let lists = sorted_events(mesh, triangles);
-    progress.advance(SORT_SHARE);
-    let shared = Shared { mesh, options, progress, scratch: Mutex::new(Vec::new()) };
-    let task = Task { lists, voxel, count: triangles.len() as u32, weight: 1.0 - SORT_SHARE };
-    let piece = shared.build(task, 0)?;
-    let mut plan = Plan::default();
-    flatten(piece, &mut plan);
-    Ok(plan)
-}
-
-fn sorted_events(mesh: &TriangleMesh, triangles: &[u32]) -> [Vec<Event>; 3] {
-    let list = |axis: usize| {
-        let mut list = Vec::with_capacity(2 * triangles.len());
-        for &id in triangles {
-            let mut bounds = Aabb::EMPTY;
-            mesh.corners(id).into_iter().for_each(|corner| bounds.include(corner));
-            push_events(&mut list, &bounds, axis, id);
-        }
-        list.par_sort_unstable();
-        list
-    };
-    let (x, (y, z)) = rayon::join(|| list(0), || rayon::join(|| list(1), || list(2)));
-    [x, y, z]
+    Inner { axis: u8, split: f32, count: u32, left: Box<Piece>, right: Box<Piece> },
 }
 
 fn flatten(piece: Piece, plan: &mut Plan) {
     match piece {
         Piece::Plan(subtree) if plan.nodes.is_empty() => *plan = subtree,
         Piece::Plan(subtree) => plan.append(&subtree),
-        Piece::Inner { axis, split, left, right } => {
+        Piece::Inner { axis, split, count, left, right } => {
             let at = plan.nodes.len();
             plan.nodes.push(PlanNode::Inner { axis, split, right: 0 });
+            plan.counts.push(count);
             flatten(*left, plan);
             plan.nodes[at] = PlanNode::Inner { axis, split, right: plan.nodes.len() as u32 };
             flatten(*right, plan);
@@ -98,8 +62,58 @@ fn flatten(piece: Piece, plan: &mut Plan) {
     }
 }
 
-impl Shared<'_> {
-    fn build(&self, mut task: Task, depth: u32) -> Result<Piece, BuildError> {
+impl<'a> Builder<'a> {
+    pub(crate) fn new(
+        mesh: &'a TriangleMesh,
+        options: &'a BuildOptions,
+        progress: &'a Progress,
+    ) -> Result<Self, BuildError> {
+        let (needed, limit) = (mesh.len() as u64, TRIANGLE_LIMIT);
+        if needed > limit {
+            return Err(BuildError::TooLarge { what: "triangles", needed, limit });
+        }
+        Ok(Self { mesh, options, progress, scratch: Mutex::new(Vec::new()) })
+    }
+
+    /// An error once the build was cancelled.
+    pub(crate) fn check(&self) -> Result<(), BuildError> {
+        self.progress.check()
+    }
+
+    /// The standard tree over `triangles`, whose bounds are `voxel`; moves the progress by `weight`.
+    pub(crate) fn build(&self, triangles: &[u32], voxel: Aabb, weight: f64) -> Result<Plan, BuildError> {
+        let list = |axis: usize| {
+            let mut list = Vec::with_capacity(2 * triangles.len());
+            for &id in triangles {
+                push_events(&mut list, &triangle_bounds(self.mesh, id), axis, id);
+            }
+            list.par_sort_unstable();
+            list
+        };
+        let (x, (y, z)) = rayon::join(|| list(0), || rayon::join(|| list(1), || list(2)));
+        self.progress.advance(SORT_SHARE * weight);
+        let weight = (1.0 - SORT_SHARE) * weight;
+        let piece = self.fork(Task { lists: [x, y, z], voxel, count: triangles.len() as u32, weight }, 0)?;
+        let mut plan = Plan::default();
+        flatten(piece, &mut plan);
+        Ok(plan)
+    }
+
+    /// The standard tree over what `voxel` holds of `triangles`, on this thread alone.
+    pub(crate) fn rebuild(&self, triangles: &[u32], voxel: Aabb) -> Result<Plan, BuildError> {
+        let exact = self.options.clipping.is_exact_for(triangles.len() as u32);
+        let mut lists: [Vec<Event>; 3] = Default::default();
+        for &id in triangles {
+            let bounds = bounds_in(self.mesh, id, &voxel, exact);
+            for (axis, list) in lists.iter_mut().enumerate() {
+                push_events(list, &bounds, axis, id);
+            }
+        }
+        lists.iter_mut().for_each(|list| list.sort_unstable());
+        self.sequential(Task { lists, voxel, count: triangles.len() as u32, weight: 0.0 })
+    }
+
+    fn fork(&self, mut task: Task, depth: u32) -> Result<Piece, BuildError> {
         if task.count < SEQUENTIAL_BELOW || depth >= PARALLEL_DEPTH {
             return self.sequential(task).map(Piece::Plan);
         }
@@ -136,10 +150,11 @@ impl Shared<'_> {
             count: counts.right,
             weight: task.weight - left_weight,
         };
-        let (left, right) = rayon::join(|| self.build(left, depth + 1), || self.build(right, depth + 1));
+        let (left, right) = rayon::join(|| self.fork(left, depth + 1), || self.fork(right, depth + 1));
         Ok(Piece::Inner {
             axis: split.axis as u8,
             split: split.position,
+            count: task.count,
             left: Box::new(left?),
             right: Box::new(right?),
         })
@@ -191,6 +206,7 @@ impl Shared<'_> {
         let mut pending = vec![Pending { start: [0; 3], voxel, count, weight, parent: None }];
         while let Some(node) = pending.pop() {
             let at = plan.nodes.len();
+            plan.counts.push(node.count);
             if let Some(PlanNode::Inner { right, .. }) = node.parent.map(|parent| &mut plan.nodes[parent]) {
                 *right = at as u32;
             }

@@ -58,6 +58,14 @@ impl Aabb {
         std::array::from_fn(|k| 0.5 * self.min[k] + 0.5 * self.max[k])
     }
 
+    /// The part inside `voxel`; a flat box on its face where they do not meet.
+    pub(crate) fn cut_to(&self, voxel: &Self) -> Self {
+        Self {
+            min: std::array::from_fn(|k| self.min[k].clamp(voxel.min[k], voxel.max[k])),
+            max: std::array::from_fn(|k| self.max[k].clamp(voxel.min[k], voxel.max[k])),
+        }
+    }
+
     /// Both halves of the box, cut at `position` on `axis`.
     pub(crate) fn split(&self, axis: usize, position: f32) -> (Self, Self) {
         let (mut left, mut right) = (*self, *self);

@@ -3,8 +3,9 @@
 use super::encode::{Encoded, encode};
 use super::statistics::TreeStatistics;
 use super::{MemoryReport, walk};
-use crate::build::{self, BuildError, BuildOptions, Progress};
+use crate::build::{BuildError, BuildOptions, Builder, Progress};
 use crate::geometry::{Aabb, Ray, TriangleMesh};
+use crate::reduce::reduce;
 use crate::traverse::{All, Any, Closest, Hit, PreparedRay, traverse};
 use std::sync::Arc;
 
@@ -72,8 +73,11 @@ impl KdTree {
     ) -> Result<Self, BuildError> {
         let (triangles, bounds) = mesh.valid_triangles();
         let degenerate = (mesh.len() - triangles.len()) as u64;
-        let plan = build::build(&mesh, &triangles, bounds, options, progress)?;
+        let builder = Builder::new(&mesh, options, progress)?;
+        let plan = builder.build(&triangles, bounds, 1.0)?;
         drop(triangles);
+        let plan = reduce(plan, bounds, &builder, options)?;
+        drop(builder);
         let encoded = encode(&plan, options.two_byte_leaves)?;
         drop(plan);
         let depth = walk::max_depth(&encoded);

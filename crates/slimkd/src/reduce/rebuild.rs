@@ -1,0 +1,80 @@
+//! The paper's construction: after each pick the subtree is built anew without the picked triangle.
+//!
+//! Source: Choi, Chang & Ihm 2013, "The New Kd-tree Construction Algorithm", read as: build the standard subtree; pick; if
+//! none, keep the split and recurse into the existing children; if one, store it, build the subtree of the others, and
+//! recurse into the new children. One pick a node.
+
+use super::measures::Picker;
+use super::options::{Hoisting, WhenLeafRemains};
+use super::work::Work;
+use crate::build::{BuildError, Builder, Plan, PlanNode};
+use crate::geometry::Aabb;
+use std::rc::Rc;
+
+/// A subtree that is still to be searched.
+struct Pending {
+    work: Rc<Work>,
+    at: usize,
+    voxel: Aabb,
+    /// The parent in the result, when this is its right child.
+    parent: Option<usize>,
+}
+
+/// Hoists at most one triangle a node, top-down.
+pub(crate) fn hoist(
+    plan: Plan,
+    voxel: Aabb,
+    hoisting: &Hoisting,
+    builder: &Builder<'_>,
+) -> Result<Plan, BuildError> {
+    let triangles = plan.references.iter().max().map_or(0, |&id| id as usize + 1);
+    let mut picker = Picker::new(hoisting, triangles);
+    let mut out = Plan::default();
+    let mut pending = vec![Pending { work: Rc::new(Work::new(plan, &voxel)), at: 0, voxel, parent: None }];
+    while let Some(Pending { mut work, mut at, voxel, parent }) = pending.pop() {
+        builder.check()?;
+        let here = out.nodes.len();
+        if let Some(PlanNode::Inner { right, .. }) = parent.map(|parent| &mut out.nodes[parent]) {
+            *right = here as u32;
+        }
+        let is_inner = matches!(work.plan.nodes[at], PlanNode::Inner { .. });
+        if let Some(picked) = is_inner.then(|| picker.pick(&work, at)).flatten() {
+            let all = work.distinct(at);
+            let rest: Vec<u32> = all.iter().copied().filter(|&id| id != picked).collect();
+            let rebuilt = builder.rebuild(&rest, voxel)?;
+            match (&rebuilt.nodes[0], hoisting.when_leaf_remains) {
+                (PlanNode::Inner { .. }, _) => {
+                    out.hoisted.push((here as u32, picked));
+                    (work, at) = (Rc::new(Work::new(rebuilt, &voxel)), 0);
+                }
+                (PlanNode::Leaf { .. }, WhenLeafRemains::MakeLeaf) => {
+                    push_leaf(&mut out, &all);
+                    continue;
+                }
+                (PlanNode::Leaf { .. }, WhenLeafRemains::DropPick) => {}
+            }
+        }
+        match work.plan.nodes[at] {
+            PlanNode::Leaf { first, count } => push_leaf(&mut out, work.ids(first, count)),
+            PlanNode::Inner { axis, split, right } => {
+                out.nodes.push(PlanNode::Inner { axis, split, right: 0 });
+                let (left_voxel, right_voxel) = voxel.split(axis.into(), split);
+                let right = Pending {
+                    work: Rc::clone(&work),
+                    at: right as usize,
+                    voxel: right_voxel,
+                    parent: Some(here),
+                };
+                pending.push(right);
+                pending.push(Pending { work, at: at + 1, voxel: left_voxel, parent: None });
+            }
+        }
+    }
+    Ok(out)
+}
+
+fn push_leaf(out: &mut Plan, ids: &[u32]) {
+    let first = out.references.len() as u32;
+    out.references.extend_from_slice(ids);
+    out.nodes.push(PlanNode::Leaf { first, count: ids.len() as u32 });
+}

@@ -1,0 +1,172 @@
+//! T-references without rebuilding: one top-down pass over the finished tree.
+//!
+//! Source: Choi, Chang & Ihm 2013 build every subtree anew after a pick and name avoiding that as future work.
+//!
+//! Deviation: the picked triangle is taken out of the leaves below, and the builder's leaf rule is applied again to
+//! the counts that remain. Splits stay where they are. `docs/paper-tree.md` holds the comparison.
+
+use super::measures::Picker;
+use super::options::{Hoisting, WhenLeafRemains};
+use super::work::Work;
+use crate::build::{BuildError, BuildOptions, Plan, PlanNode};
+use crate::geometry::Aabb;
+
+/// Hoists at most one triangle a node, top-down.
+pub(crate) fn hoist(
+    plan: Plan,
+    voxel: Aabb,
+    hoisting: &Hoisting,
+    options: &BuildOptions,
+) -> Result<Plan, BuildError> {
+    let triangles = plan.references.iter().max().map_or(0, |&id| id as usize + 1);
+    let mut pass = Pass {
+        counts: plan.counts.clone(),
+        most: most_leaves_of_one(&plan, triangles),
+        leaves: vec![0; plan.nodes.len()],
+        work: Work::new(plan, &voxel),
+        marks: Vec::new(),
+        leaf_at_most: options.leaf_at_most,
+    };
+    pass.count_leaves(0);
+    let mut picker = Picker::new(hoisting, triangles);
+    let mut at = 0;
+    while at < pass.work.plan.nodes.len() {
+        match pass.work.plan.nodes[at] {
+            PlanNode::Leaf { .. } => at = pass.work.ends[at] as usize,
+            PlanNode::Inner { .. } => {
+                pass.visit(at, hoisting, &mut picker);
+                at += 1;
+            }
+        }
+    }
+    Ok(pass.work.into_plan())
+}
+
+/// Per node, the most leaves of the whole tree that hold one and the same triangle of this subtree: an upper bound
+/// that rules most large subtrees out.
+fn most_leaves_of_one(plan: &Plan, triangles: usize) -> Vec<u32> {
+    let mut per_triangle = vec![0u32; triangles];
+    plan.references.iter().for_each(|&id| per_triangle[id as usize] += 1);
+    let mut most = vec![0; plan.nodes.len()];
+    for at in (0..plan.nodes.len()).rev() {
+        most[at] = match plan.nodes[at] {
+            PlanNode::Inner { right, .. } => most[at + 1].max(most[right as usize]),
+            PlanNode::Leaf { first, count } => {
+                let ids = &plan.references[first as usize..(first + count) as usize];
+                ids.iter().map(|&id| per_triangle[id as usize]).max().unwrap_or(0)
+            }
+        };
+    }
+    most
+}
+
+struct Pass {
+    work: Work,
+    /// Distinct triangles under each node.
+    counts: Vec<u32>,
+    /// Leaves under each node.
+    leaves: Vec<u32>,
+    /// See [`most_leaves_of_one`]; never updated, so it stays an upper bound.
+    most: Vec<u32>,
+    /// Scratch: nodes of one subtree that hold the picked triangle, ascending.
+    marks: Vec<usize>,
+    leaf_at_most: u32,
+}
+
+impl Pass {
+    fn visit(&mut self, at: usize, hoisting: &Hoisting, picker: &mut Picker<'_>) {
+        if f64::from(self.most[at]) <= f64::from(hoisting.frequency) * self.least_denominator(at, hoisting) {
+            return;
+        }
+        let Some(picked) = picker.pick(&self.work, at) else { return };
+        if self.counts[at] - 1 <= self.leaf_at_most {
+            match hoisting.when_leaf_remains {
+                WhenLeafRemains::MakeLeaf => {
+                    let ids = self.work.distinct(at);
+                    self.work.make_leaf(at, &ids);
+                }
+                WhenLeafRemains::DropPick => {}
+            }
+            return;
+        }
+        self.work.plan.hoisted.push((at as u32, picked));
+        self.strip(at, picked);
+    }
+
+    /// The fewest leaves that the frequency measure may divide by.
+    fn least_denominator(&self, at: usize, hoisting: &Hoisting) -> f64 {
+        match hoisting.leaves {
+            super::CountedLeaves::All => f64::from(self.leaves[at]),
+            super::CountedLeaves::NotEmpty => 0.0,
+        }
+    }
+
+    /// Takes `picked` out of the subtree at `at` and ends what the leaf rule ends now.
+    fn strip(&mut self, at: usize, picked: u32) {
+        self.mark(at, picked);
+        let mut cut = false;
+        for i in 0..self.marks.len() {
+            let node = self.marks[i];
+            self.counts[node] -= 1;
+        }
+        let mut i = 0;
+        while i < self.marks.len() {
+            let node = self.marks[i];
+            i += 1;
+            if let PlanNode::Inner { .. } = self.work.plan.nodes[node]
+                && self.counts[node] <= self.leaf_at_most
+            {
+                let ids = self.work.distinct(node);
+                self.work.make_leaf(node, &ids);
+                cut = true;
+                while self.marks.get(i).is_some_and(|&below| below < self.work.ends[node] as usize) {
+                    i += 1;
+                }
+            }
+        }
+        if cut {
+            self.count_leaves(at);
+        }
+    }
+
+    /// Removes `picked` from the leaves under `at`; `marks` becomes the nodes that held it, ascending.
+    fn mark(&mut self, at: usize, picked: u32) {
+        self.marks.clear();
+        let end = self.work.ends[at] as usize;
+        // The path from `at` down to the node at hand, and how much of it is marked already.
+        let mut path: Vec<usize> = Vec::new();
+        let mut marked = 0;
+        let mut node = at;
+        while node < end {
+            while path.last().is_some_and(|&parent| self.work.ends[parent] as usize <= node) {
+                path.pop();
+            }
+            marked = marked.min(path.len());
+            path.push(node);
+            match self.work.plan.nodes[node] {
+                PlanNode::Inner { .. } => node += 1,
+                PlanNode::Leaf { first, count } => {
+                    let ids = &mut self.work.plan.references[first as usize..(first + count) as usize];
+                    if let Ok(found) = ids.binary_search(&picked) {
+                        ids[found..].rotate_left(1);
+                        self.work.plan.nodes[node] = PlanNode::Leaf { first, count: count - 1 };
+                        self.marks.extend_from_slice(&path[marked..]);
+                        marked = path.len();
+                    }
+                    node = self.work.ends[node] as usize;
+                }
+            }
+        }
+    }
+
+    /// Recounts the leaves of the subtree at `at`.
+    fn count_leaves(&mut self, at: usize) {
+        // From the back, so that children come first; what lies under a cut is counted in vain.
+        for node in (at..self.work.ends[at] as usize).rev() {
+            self.leaves[node] = match self.work.plan.nodes[node] {
+                PlanNode::Inner { right, .. } => self.leaves[node + 1] + self.leaves[right as usize],
+                PlanNode::Leaf { .. } => 1,
+            };
+        }
+    }
+}
