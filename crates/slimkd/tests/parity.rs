@@ -1,24 +1,26 @@
-//! Every query on every preset against brute force, bit by bit.
+//! Every query on every kind of tree against brute force, bit by bit.
 
 mod common;
 
-use common::{Rng, hard_rays, soup};
-use slimkd::{BruteForce, BuildOptions, KdTree, Preset, TriangleMesh};
+use common::{Rng, hard_rays, soup, variants};
+use slimkd::{BruteForce, KdTree, TriangleMesh};
+use std::sync::Arc;
 
 fn check(name: &str, mesh: &TriangleMesh, rays: usize) {
     let oracle = BruteForce::new(mesh);
     let rays = hard_rays(mesh, rays, 7);
-    for &preset in Preset::ALL {
-        let tree = KdTree::build(mesh.clone(), &BuildOptions::from(preset)).unwrap();
+    let mesh = Arc::new(mesh.clone());
+    for (variant, options) in variants() {
+        let tree = KdTree::build(Arc::clone(&mesh), &options).unwrap();
         let mut hits = 0;
         for ray in &rays {
             let expected = oracle.closest_hit(ray);
             hits += usize::from(expected.is_some());
-            assert_eq!(tree.closest_hit(ray), expected, "{name} {preset:?} {ray:?}");
-            assert_eq!(tree.any_hit(ray), expected.is_some(), "{name} {preset:?} {ray:?}");
+            assert_eq!(tree.closest_hit(ray), expected, "{name} {variant} {ray:?}");
+            assert_eq!(tree.any_hit(ray), expected.is_some(), "{name} {variant} {ray:?}");
         }
         for ray in rays.iter().step_by(7) {
-            assert_eq!(tree.all_hits(ray), oracle.all_hits(ray), "{name} {preset:?} {ray:?}");
+            assert_eq!(tree.all_hits(ray), oracle.all_hits(ray), "{name} {variant} {ray:?}");
         }
         assert!(hits * 10 > rays.len(), "{name}: the rays hit too little to prove anything: {hits}");
     }

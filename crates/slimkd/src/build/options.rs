@@ -129,6 +129,11 @@ impl BuildOptions {
                 return Err(BuildError::InvalidOption { name, value: value.into() });
             }
         }
+        for (name, value) in self.hoisting.iter().flat_map(Hoisting::thresholds) {
+            if !(0.0..=1.0).contains(&value) {
+                return Err(BuildError::InvalidThreshold { name, value: value.into() });
+            }
+        }
         Ok(())
     }
 }
@@ -144,6 +149,14 @@ pub enum BuildError {
     #[error("the {name} is {value}; set it to a positive finite number")]
     InvalidOption {
         /// Which constant.
+        name: &'static str,
+        /// What it was.
+        value: f64,
+    },
+    /// A threshold is out of its range: set it between 0 and 1.
+    #[error("the {name} threshold is {value}; set it between 0 and 1")]
+    InvalidThreshold {
+        /// Which threshold.
         name: &'static str,
         /// What it was.
         value: f64,

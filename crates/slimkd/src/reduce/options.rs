@@ -38,6 +38,11 @@ impl Hoisting {
             when_leaf_remains: WhenLeafRemains::MakeLeaf,
         }
     }
+
+    /// The thresholds with their names.
+    pub(crate) fn thresholds(&self) -> [(&'static str, f32); 2] {
+        [("occupancy", self.occupancy), ("frequency", self.frequency)]
+    }
 }
 
 /// How the tree under a node changes once a triangle was picked there.

@@ -14,6 +14,7 @@ use super::layout::Packed;
 use super::{KdTree, walk};
 use crate::build::{BuildOptions, Clipping, Preset};
 use crate::geometry::{MeshError, TriangleMesh};
+use crate::reduce::{CountedLeaves, HoistAlgorithm, Hoisting, OccupancyBase, WhenLeafRemains};
 use std::io::{Read, Write};
 use std::sync::Arc;
 use thiserror::Error;
@@ -191,23 +192,38 @@ fn get<T, const N: usize>(
     Ok(out)
 }
 
-/// Options as bytes: the preset's name with its length, then every number.
+/// Options as bytes: the preset's name with its length, then 4-byte words.
 fn put_options(options: &BuildOptions) -> Vec<u8> {
     let name = options.preset.name().as_bytes();
     let mut out = vec![name.len() as u8];
     out.extend_from_slice(name);
     let sah = options.sah;
-    for number in [sah.traversal, sah.intersection, sah.empty_bonus] {
-        out.extend_from_slice(&number.to_le_bytes());
-    }
     let clipping = match options.clipping {
         Clipping::Exact => 0,
         Clipping::ExactFrom(least) => least.max(1),
         Clipping::Box => u32::MAX,
     };
-    for number in [options.leaf_at_most, clipping, u32::from(options.two_byte_leaves)] {
-        out.extend_from_slice(&number.to_le_bytes());
+    let mut words = vec![
+        sah.traversal.to_bits(),
+        sah.intersection.to_bits(),
+        sah.empty_bonus.to_bits(),
+        options.leaf_at_most,
+        clipping,
+        options.two_byte_leaves.into(),
+        options.collapse.into(),
+        options.hoisting.is_some().into(),
+    ];
+    if let Some(hoisting) = &options.hoisting {
+        words.extend([
+            hoisting.occupancy.to_bits(),
+            hoisting.frequency.to_bits(),
+            (hoisting.algorithm == HoistAlgorithm::Rebuild).into(),
+            (hoisting.occupancy_base == OccupancyBase::NodeArea).into(),
+            (hoisting.leaves == CountedLeaves::NotEmpty).into(),
+            (hoisting.when_leaf_remains == WhenLeafRemains::DropPick).into(),
+        ]);
     }
+    words.iter().for_each(|word| out.extend_from_slice(&word.to_le_bytes()));
     out
 }
 
@@ -216,19 +232,41 @@ fn get_options(block: &[u8]) -> Option<BuildOptions> {
     let (name, numbers) = rest.split_at_checked(length.into())?;
     let mut options = BuildOptions::from(Preset::from_name(std::str::from_utf8(name).ok()?)?);
     let (words, []) = numbers.as_chunks::<4>() else { return None };
-    let &[traversal, intersection, empty_bonus, leaf_at_most, clipping, two_byte] = words else {
-        return None;
-    };
-    options.sah.traversal = f32::from_le_bytes(traversal);
-    options.sah.intersection = f32::from_le_bytes(intersection);
-    options.sah.empty_bonus = f32::from_le_bytes(empty_bonus);
-    options.leaf_at_most = u32::from_le_bytes(leaf_at_most);
-    options.clipping = match u32::from_le_bytes(clipping) {
+    let words: Vec<u32> = words.iter().map(|&word| u32::from_le_bytes(word)).collect();
+    let (&[traversal, intersection, empty_bonus, leaf_at_most, clipping, two_byte, collapse, hoists], rest) =
+        words.split_first_chunk::<8>()?;
+    let choose = |word: u32| (word <= 1).then_some(word == 1);
+    options.sah.traversal = f32::from_bits(traversal);
+    options.sah.intersection = f32::from_bits(intersection);
+    options.sah.empty_bonus = f32::from_bits(empty_bonus);
+    options.leaf_at_most = leaf_at_most;
+    options.clipping = match clipping {
         0 => Clipping::Exact,
         u32::MAX => Clipping::Box,
         least => Clipping::ExactFrom(least),
     };
-    options.two_byte_leaves = u32::from_le_bytes(two_byte) != 0;
+    options.two_byte_leaves = choose(two_byte)?;
+    options.collapse = choose(collapse)?;
+    options.hoisting = match (choose(hoists)?, rest) {
+        (false, []) => None,
+        (true, &[occupancy, frequency, rebuild, node_area, not_empty, drop_pick]) => {
+            let mut hoisting = Hoisting::new(f32::from_bits(occupancy), f32::from_bits(frequency));
+            if choose(rebuild)? {
+                hoisting.algorithm = HoistAlgorithm::Rebuild;
+            }
+            if choose(node_area)? {
+                hoisting.occupancy_base = OccupancyBase::NodeArea;
+            }
+            if choose(not_empty)? {
+                hoisting.leaves = CountedLeaves::NotEmpty;
+            }
+            if choose(drop_pick)? {
+                hoisting.when_leaf_remains = WhenLeafRemains::DropPick;
+            }
+            Some(hoisting)
+        }
+        _ => return None,
+    };
     options.validate().ok()?;
     Some(options)
 }

@@ -1,7 +1,28 @@
 //! Meshes and rays that several tests use.
 #![allow(dead_code, unreachable_pub)] // each test file uses its own part
 
-use slimkd::{Ray, TriangleMesh};
+use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Preset, Ray, TriangleMesh};
+
+/// Every preset, and each option that changes what a tree looks like.
+pub fn variants() -> Vec<(String, BuildOptions)> {
+    let mut out = Vec::new();
+    for &preset in Preset::ALL {
+        let plain = BuildOptions::from(preset);
+        let mut collapsed = plain.clone();
+        collapsed.collapse = true;
+        out.push((format!("{} + collapse", preset.name()), collapsed));
+        if plain.hoisting.is_some() {
+            let mut rebuilt = plain.clone();
+            rebuilt.hoisting.as_mut().unwrap().algorithm = HoistAlgorithm::Rebuild;
+            out.push((format!("{} + rebuild", preset.name()), rebuilt));
+        }
+        out.push((preset.name().to_string(), plain));
+    }
+    let mut boxed = BuildOptions::default();
+    boxed.clipping = Clipping::Box;
+    out.push(("standard, box clipping".into(), boxed));
+    out
+}
 
 /// SplitMix64 (Steele, Lea & Flood 2014): small, seeded, the same everywhere.
 pub struct Rng(u64);

@@ -1,0 +1,56 @@
+//! Closed meshes do not leak, edges and vertices included.
+//!
+//! The rays of one test run are few; `SLIMKD_LEAK_RAYS=100000000 cargo test --release --test watertight` runs the full count.
+
+mod common;
+
+use common::{Rng, sphere, variants};
+use slimkd::{KdTree, Ray};
+use std::sync::Arc;
+
+#[test]
+fn no_ray_leaves_a_sphere() {
+    let rays: u64 = std::env::var("SLIMKD_LEAK_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(300_000);
+    let mesh = Arc::new(sphere(6));
+    for (variant, options) in variants() {
+        let tree = KdTree::build(Arc::clone(&mesh), &options).unwrap();
+        let leaks = std::thread::scope(|scope| {
+            let workers: Vec<_> = (0..2)
+                .map(|worker| {
+                    let (tree, mesh) = (&tree, &mesh);
+                    scope.spawn(move || {
+                        let mut rng = Rng::new(worker);
+                        (0..rays / 2)
+                            .filter(|i| !tree.any_hit(&ray_from_inside(mesh, &mut rng, i % 4)))
+                            .count()
+                    })
+                })
+                .collect();
+            workers.into_iter().map(|worker| worker.join().unwrap()).sum::<usize>()
+        });
+        assert_eq!(leaks, 0, "{variant}: of {rays} rays");
+    }
+}
+
+/// From near the centre anywhere, through an edge, through a vertex, or along the axes.
+fn ray_from_inside(mesh: &slimkd::TriangleMesh, rng: &mut Rng, kind: u64) -> Ray {
+    let origin = rng.point().map(|x| (x - 0.5) * 0.8);
+    let [a, b, _] = mesh.corners(rng.below(mesh.len()) as u32);
+    let target = match kind {
+        0 => rng.point().map(|x| 4.0 * (x - 0.5)),
+        1 => {
+            let s = rng.unit();
+            std::array::from_fn(|k| a[k] + s * (b[k] - a[k]))
+        }
+        2 => a,
+        _ => {
+            // An edge or vertex of the octahedron's axis planes, met by a ray inside such a plane.
+            let axis = rng.below(3);
+            let origin: [f32; 3] = std::array::from_fn(|k| if k == axis { 0.0 } else { origin[k] });
+            let mut direction = rng.point().map(|x| x - 0.5);
+            direction[axis] = 0.0;
+            return Ray::new(origin, if direction == [0.0; 3] { [1.0, 0.0, 0.0] } else { direction });
+        }
+    };
+    Ray::new(origin, <[f32; 3]>::from(std::array::from_fn(|k| target[k] - origin[k])))
+}
