@@ -3,6 +3,7 @@
 use crate::args::CameraArgs;
 use crate::failure::Failure;
 use slimkd::KdTree;
+use slimkd_render::views;
 use slimkd_scene::{Camera, Scene};
 
 /// How many views a scene has.
@@ -17,17 +18,28 @@ pub(crate) struct View {
     pub(crate) camera: Camera,
 }
 
-/// The views that are asked for: the one that is named, or all of them. `--up` is in `scene.up` by then.
-pub(crate) fn choose(args: &CameraArgs, scene: &Scene, tree: &KdTree) -> Result<Vec<View>, Failure> {
+/// Settles which way is up: as the command line says, else as the file says, else by a guess.
+pub(crate) fn settle_up(args: &CameraArgs, scene: &mut Scene) {
+    scene.up = args.up().or(scene.up).or_else(|| Some(views::guess_up(&scene.mesh)));
+}
+
+/// The view that is named, or else the first `count`. Up is settled by then.
+pub(crate) fn choose(
+    args: &CameraArgs,
+    scene: &Scene,
+    tree: &KdTree,
+    count: usize,
+) -> Result<Vec<View>, Failure> {
     let up = scene.up.unwrap_or_default();
-    let mut cameras: Vec<_> = match args.camera(up) {
-        Some(camera) => vec![camera],
-        None => scene.cameras.iter().copied().take(VIEWS).collect(),
-    };
-    let wanted = args.view.map_or(1, usize::from);
-    if cameras.len() < wanted || (cameras.len() < VIEWS && !args.is_one()) {
-        cameras.extend(find_views(tree, up));
-        cameras.truncate(VIEWS);
+    if let Some(camera) = args.camera(up) {
+        return Ok(vec![View { number: 1, camera }]);
+    }
+    let count = args.view.map_or(count, usize::from);
+    let mut cameras: Vec<_> = scene.cameras.iter().copied().take(count).collect();
+    if cameras.len() < count {
+        // All at once: which views are found may depend on how many are looked for.
+        cameras.extend(views::find(scene, tree, VIEWS));
+        cameras.truncate(count);
     }
     let views = cameras.into_iter().enumerate().map(|(index, camera)| View { number: index + 1, camera });
     let views: Vec<_> =
@@ -37,13 +49,4 @@ pub(crate) fn choose(args: &CameraArgs, scene: &Scene, tree: &KdTree) -> Result<
         return Err(Failure::work(format_args!("{}: {what}", scene.name)));
     }
     Ok(views)
-}
-
-fn find_views(tree: &KdTree, up: slimkd_scene::UpAxis) -> Vec<Camera> {
-    let bounds = tree.bounds();
-    let target = glam::Vec3::from(bounds.center());
-    let half = (glam::Vec3::from(bounds.max) - target).length();
-    let up = up.vector();
-    let eye = target + (glam::Vec3::new(1.0, 1.0, 1.0) + up * -0.4) * (1.6 * half);
-    vec![Camera { eye, target, up, fov: 45.0 }]
 }

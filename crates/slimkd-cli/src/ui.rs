@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::interrupt;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fmt::Display;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -75,8 +75,10 @@ impl Ui {
                         watched.cancel();
                     }
                     if started.elapsed() >= PATIENCE {
-                        let bar = bar.get_or_insert_with(|| self.bar(label, started.elapsed()));
-                        bar.set_position((watched.fraction().clamp(0.0, 1.0) * STEPS as f64) as u64);
+                        let bar = bar.get_or_insert_with(|| self.bar(label));
+                        let fraction = watched.fraction().clamp(0.0, 1.0);
+                        bar.set_prefix(time_left(started.elapsed(), fraction));
+                        bar.set_position((fraction * STEPS as f64) as u64);
                     }
                 }
                 if let Some(bar) = bar {
@@ -89,16 +91,22 @@ impl Ui {
         })
     }
 
-    fn bar(self, label: &str, elapsed: Duration) -> ProgressBar {
+    fn bar(self, label: &str) -> ProgressBar {
         let draws = !self.quiet && std::io::stderr().is_terminal();
         let target = if draws { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-        let style = ProgressStyle::with_template("{msg:10} [{wide_bar}] {percent:>3} %  {eta} left")
+        let style = ProgressStyle::with_template("{msg:10} [{wide_bar}] {percent:>3} %{prefix}")
             .unwrap_or_else(|_| ProgressStyle::default_bar())
             .progress_chars("=> ");
-        ProgressBar::with_draw_target(Some(STEPS), target)
-            .with_style(style)
-            .with_message(label.to_owned())
-            .with_elapsed(elapsed)
+        ProgressBar::with_draw_target(Some(STEPS), target).with_style(style).with_message(label.to_owned())
+    }
+}
+
+/// What is left if all goes on as it did on average; nothing while there is nothing to go by.
+fn time_left(elapsed: Duration, fraction: f64) -> String {
+    let left = elapsed.as_secs_f64() * (1.0 - fraction) / fraction;
+    match Duration::try_from_secs_f64(left.ceil()) {
+        Ok(left) => format!("  {:#} left", HumanDuration(left)),
+        Err(_) => String::new(),
     }
 }
 
@@ -150,6 +158,14 @@ mod tests {
         for (number, text) in [(0, "0"), (999, "999"), (1000, "1,000"), (12_345_678, "12,345,678")] {
             assert_eq!(grouped(number), text);
         }
+    }
+
+    #[test]
+    fn time_left_follows_the_average() {
+        let ten = Duration::from_secs(10);
+        assert_eq!(time_left(ten, 0.25), "  30s left");
+        assert_eq!(time_left(ten, 1.0), "  0s left");
+        assert_eq!(time_left(ten, 0.0), "");
     }
 
     #[test]

@@ -73,7 +73,7 @@ fn a_reader_that_hangs_up_is_no_failure() {
         "completions bash",
         "scene --list",
         "build kitchen --triangles 3000 --json",
-        "inspect kitchen",
+        "inspect kitchen --triangles 3000",
         "--help",
     ] {
         let (reader, writer) = std::io::pipe().unwrap();

@@ -8,6 +8,9 @@ use std::str::FromStr;
 /// Vertical field of view of a `--camera` that names none, degrees.
 const DEFAULT_FOV: f32 = 60.0;
 
+/// Sine of the angle between view and up below which another up is taken.
+const LEAST_SINE: f32 = 1e-3;
+
 /// One view.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "View")]
@@ -24,11 +27,6 @@ pub(crate) struct CameraArgs {
 }
 
 impl CameraArgs {
-    /// True when a single view was named.
-    pub(crate) fn is_one(&self) -> bool {
-        self.view.is_some() || self.camera.is_some()
-    }
-
     /// Up as given.
     pub(crate) fn up(&self) -> Option<UpAxis> {
         self.up.map(|up| match up {
@@ -38,9 +36,14 @@ impl CameraArgs {
         })
     }
 
-    /// The camera as given.
+    /// The camera as given. It may look along the scene's `up`, unless that is what the command line says: then it
+    /// would have no upright picture.
     pub(crate) fn camera(&self, up: UpAxis) -> Option<Camera> {
-        self.camera.map(|RawCamera { eye, target, fov }| Camera { eye, target, up: up.vector(), fov })
+        let RawCamera { eye, target, fov } = self.camera?;
+        let forward = (target.as_dvec3() - eye.as_dvec3()).normalize_or_zero().as_vec3();
+        let upright = |axis: &UpAxis| forward.cross(axis.vector()).length() > LEAST_SINE;
+        let other = [up, UpAxis::Y, UpAxis::Z].into_iter().find(upright).filter(|_| self.up.is_none());
+        Some(Camera { eye, target, up: other.unwrap_or(up).vector(), fov })
     }
 }
 

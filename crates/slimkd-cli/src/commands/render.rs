@@ -138,7 +138,7 @@ pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
     let output = Output::prepare(&args.output)?;
     let scene = args.scene.as_deref().unwrap_or(Path::new(DEFAULT_SCENE));
     let mut loaded = scenes::load(scene, args.triangles, ui)?;
-    loaded.scene.up = args.camera.up().or(loaded.scene.up);
+    cameras::settle_up(&args.camera, &mut loaded.scene);
     let tree = if args.scene.is_some() {
         let options = args.tree.options();
         trees::build(&loaded.scene.name, &loaded.scene.mesh, loaded.seconds, &options, ui)?
@@ -147,7 +147,7 @@ pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
     };
     trees::warn_of_degenerate(&tree.statistics, ui);
 
-    let camera = cameras::choose(&args.camera, &loaded.scene, &tree.tree)?[0].camera;
+    let camera = cameras::choose(&args.camera, &loaded.scene, &tree.tree, 1)?[0].camera;
     let (progress, started) = (RenderProgress::new(), Instant::now());
     let settings = args.picture.settings(args.tree.threads);
     let film = ui

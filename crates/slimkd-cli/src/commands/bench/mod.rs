@@ -58,7 +58,7 @@ pub(crate) struct BenchArgs {
 /// Builds, compares, measures.
 pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
     let mut loaded = scenes::load(&args.scene.scene, args.scene.triangles, ui)?;
-    loaded.scene.up = args.camera.up().or(loaded.scene.up);
+    cameras::settle_up(&args.camera, &mut loaded.scene);
     let scene = &loaded.scene;
     let mut presets: Vec<Preset> = Vec::new();
     for &preset in if args.presets.is_empty() { Preset::ALL } else { &args.presets } {
@@ -77,7 +77,7 @@ pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
     let bench = Bench {
         scene,
         trees: built.iter().map(|(preset, tree)| (preset.name(), &tree.tree)).collect(),
-        views: cameras::choose(&args.camera, scene, &built[0].1.tree)?,
+        views: cameras::choose(&args.camera, scene, &built[0].1.tree, cameras::VIEWS)?,
         pool: trees::pool(args.threads.get())?,
         rounds: args.rounds as usize,
         rays: args.rays.map(|rays| rays as usize),
