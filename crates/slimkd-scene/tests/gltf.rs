@@ -317,3 +317,23 @@ fn counts_that_lie_are_refused_before_memory_is_taken() {
     let error = load_bytes(Format::Gltf, objects.as_bytes()).unwrap_err();
     assert!(matches!(error, LoadError::OutOfProportion { .. }), "{error}");
 }
+
+#[test]
+fn textures_out_of_proportion_are_left_out() {
+    let mut png = std::io::Cursor::new(Vec::new());
+    image::RgbImage::new(1, 1).write_to(&mut png, image::ImageFormat::Png).unwrap();
+    let mut png = png.into_inner();
+    // The header chunk: length, "IHDR", width, height, 5 bytes, checksum of all but the length.
+    png[16..20].copy_from_slice(&60_000u32.to_be_bytes());
+    png[20..24].copy_from_slice(&60_000u32.to_be_bytes());
+    let mut checksum = flate2::Crc::new();
+    checksum.update(&png[12..29]);
+    png[29..33].copy_from_slice(&checksum.sum().to_be_bytes());
+    let scene = parse(&format!(
+        r#""materials": [{{"pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0}}}}}}],
+        "textures": [{{"source": 0}}], "images": [{{"uri": "data:image/png;base64,{}"}}]"#,
+        STANDARD.encode(png)
+    ));
+    assert!(scene.textures.is_empty() && scene.materials[0].texture.is_none());
+    assert!(scene.warnings[0].contains("out of proportion"), "{:?}", scene.warnings);
+}
