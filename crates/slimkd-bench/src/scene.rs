@@ -3,14 +3,17 @@
 use crate::args::Args;
 use crate::soup::soup;
 use crate::vector::bounds;
-use crate::view::{DEFAULT_FOV, View};
+use crate::view::View;
 use anyhow::{Context, Result, bail, ensure};
-use slimkd::{Aabb, KdTree};
-use slimkd_scene::{LoadProgress, Scene, UpAxis, procedural};
+use slimkd::KdTree;
+use slimkd_render::views;
+use slimkd_scene::{LoadProgress, Scene, procedural};
 use std::path::Path;
 
 /// Triangles of `soup` where no number is given.
 const SOUP_TRIANGLES: usize = 10_000;
+/// Views of a scene: its own, filled up with found ones.
+const VIEWS: usize = 3;
 
 /// Loads or makes what the command line names.
 pub fn open(args: &Args) -> Result<Scene> {
@@ -41,35 +44,16 @@ pub fn open(args: &Args) -> Result<Scene> {
 }
 
 /// The view that the command line asks for: its camera, else the scene's, else one found by looking around.
-pub fn view(args: &Args, scene: &Scene, _tree: &KdTree) -> Result<View> {
-    let up = scene.up.unwrap_or_default();
+pub fn view(args: &Args, scene: &Scene, tree: &KdTree) -> Result<View> {
     if let Some(text) = &args.camera {
-        return View::parse(text, up);
+        return View::parse(text, scene.up.unwrap_or_else(|| views::guess_up(&scene.mesh)));
     }
-    let mut views: Vec<View> = scene.cameras.iter().copied().map(View::from).collect();
-    views.extend(outside(&bounds(&scene.mesh), up));
-    match args.view.checked_sub(1).and_then(|index| views.get(index)) {
-        Some(view) => Ok(*view),
-        None => bail!("--view {}: there are {} views; or use --camera", args.view, views.len()),
+    let mut cameras = scene.cameras.clone();
+    if cameras.len() < VIEWS {
+        cameras.extend(views::find(scene, tree, VIEWS - cameras.len()));
     }
-}
-
-/// Three looks at the whole scene from a little above.
-fn outside(bounds: &Aabb, up: UpAxis) -> Vec<View> {
-    let centre: [f32; 3] = std::array::from_fn(|k| (bounds.min[k] + bounds.max[k]) / 2.0);
-    let half = (0..3).map(|k| (bounds.max[k] - bounds.min[k]).powi(2)).sum::<f32>().sqrt() / 2.0;
-    let up = up.vector().to_array();
-    [[1.0, 0.6, 0.8], [-0.8, 0.5, 1.0], [-1.0, 0.7, -0.6]]
-        .into_iter()
-        .map(|way: [f32; 3]| {
-            // Lift is along `up`; the two others span the ground.
-            let vertical = up.iter().position(|&x| x != 0.0).unwrap_or(1);
-            let mut offset = [0.0; 3];
-            offset[vertical] = way[1];
-            offset[(vertical + 1) % 3] = way[0];
-            offset[(vertical + 2) % 3] = way[2];
-            let eye = std::array::from_fn(|k| centre[k] + 1.4 * half * offset[k]);
-            View { eye, target: centre, up, fov: DEFAULT_FOV }
-        })
-        .collect()
+    match args.view.checked_sub(1).and_then(|index| cameras.get(index)) {
+        Some(&camera) => Ok(camera.into()),
+        None => bail!("--view {}: there are {} views; or use --camera", args.view, cameras.len()),
+    }
 }

@@ -1,6 +1,7 @@
 //! Finding and loading the shared library.
 
 use super::abi::{Api, PROPERTY_VERSION};
+use std::mem::ManuallyDrop;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -46,8 +47,9 @@ pub struct Library {
     pub(super) api: Api,
     /// Such as "4.4.0".
     pub(super) version: String,
-    /// Keeps the entry points valid.
-    _library: libloading::Library,
+    /// Keeps the entry points valid. Never unloaded: the threads of Embree's scheduler outlive its devices, and their
+    /// code would be gone (a crash at the end of every other run).
+    _library: ManuallyDrop<libloading::Library>,
 }
 
 impl Library {
@@ -89,7 +91,7 @@ impl Library {
             return Err(LoadError::Version { path: path.to_path_buf(), version: number });
         }
         let version = format!("{}.{}.{}", number / 10_000, number / 100 % 100, number % 100);
-        Ok(Self { api, version, _library: library })
+        Ok(Self { api, version, _library: ManuallyDrop::new(library) })
     }
 }
 
