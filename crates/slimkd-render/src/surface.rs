@@ -32,7 +32,8 @@ impl Surface {
         let corners = mesh.corners(hit.triangle).map(Vec3::from);
         let [a, b, c] = corners.map(Vec3::as_dvec3);
         let (u, v) = (f64::from(hit.u), f64::from(hit.v));
-        let position = (a * (1.0 - u - v) + b * u + c * v).as_vec3();
+        let offset = crate::offset::distance(&corners);
+        let position = crate::offset::inwards(a * (1.0 - u - v) + b * u + c * v, (a + b + c) / 3.0, offset);
         let mut geometric = (b - a).cross(c - a).try_normalize()?.as_vec3();
 
         let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
@@ -66,7 +67,6 @@ impl Surface {
             let [a, b, c] = uvs.map(Vec2::from);
             a * weights[0] + b * weights[1] + c * weights[2]
         });
-        let offset = crate::offset::distance(&corners);
         Some(Self { position, geometric, shading, uv, outside, offset, shadow_origin })
     }
 
