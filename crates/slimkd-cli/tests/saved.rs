@@ -1,0 +1,69 @@
+//! Trees that `build -o` saved.
+
+mod common;
+
+use common::{Tool, keys, ray_file};
+use slimkd::{Preset, Ray};
+
+const SCENE: &str = "kitchen --triangles 3000";
+
+#[test]
+fn a_saved_tree_reports_what_its_build_did() {
+    let tool = Tool::new();
+    for preset in Preset::ALL {
+        let constants = format!("--preset {} --sah-traversal 12 --threads 2 --json", preset.name());
+        let mut built = tool.json(&format!("build {SCENE} {constants} -o tree.skd"));
+        let mut read = tool.json("inspect tree.skd --threads 2 --json");
+        assert_eq!(keys(&read), keys(&built));
+        assert!(read["bytes"]["build_peak"].is_null() && read["seconds"]["build"].is_null());
+        for report in [&mut built, &mut read] {
+            report["bytes"]["build_peak"].take();
+            report["seconds"].take();
+        }
+        assert_eq!(read, built);
+    }
+    assert!(tool.ok("inspect tree.skd").stdout.contains("B/triangle"));
+    assert!(tool.ok("inspect tree.skd --preset standard").stderr.contains("keeps the options"));
+}
+
+#[test]
+fn the_file_is_the_same_at_any_thread_count() {
+    let tool = Tool::new();
+    tool.ok(&format!("build {SCENE} --threads 1 -o one.skd"));
+    tool.ok(&format!("build {SCENE} --threads 3 -o three.skd"));
+    assert!(std::fs::read(tool.path("one.skd")).unwrap() == std::fs::read(tool.path("three.skd")).unwrap());
+}
+
+#[test]
+fn a_saved_tree_traces_like_its_scene() {
+    let tool = Tool::new();
+    let rays: Vec<_> = (0..500)
+        .map(|k| Ray::new([0.01 * k as f32 - 2.5, 1.5, 0.0], [0.3, -0.2, 0.1 * (k % 7) as f32]))
+        .collect();
+    ray_file(&tool.path("rays.f32"), &rays);
+    tool.ok(&format!("build {SCENE} -o tree.skd"));
+    for kind in ["closest", "any"] {
+        tool.ok(&format!("trace {SCENE} --rays rays.f32 --out scene.bin --kind {kind}"));
+        tool.ok(&format!("trace tree.skd --rays rays.f32 --out tree.bin --kind {kind}"));
+        assert!(
+            std::fs::read(tool.path("scene.bin")).unwrap() == std::fs::read(tool.path("tree.bin")).unwrap()
+        );
+    }
+}
+
+#[test]
+fn damaged_trees_are_refused() {
+    let tool = Tool::new();
+    tool.ok(&format!("build {SCENE} -o tree.skd"));
+    let whole = std::fs::read(tool.path("tree.skd")).unwrap();
+    for kept in [1, 7, 8, 12, 40, 100, whole.len() / 2, whole.len() - 1] {
+        tool.file("cut.skd", &whole[..kept]);
+        tool.fails("inspect cut.skd", 1, &["cut.skd", "build"]);
+    }
+    for place in (0..whole.len()).step_by(whole.len() / 24) {
+        let mut bytes = whole.clone();
+        bytes[place] ^= 0x55;
+        tool.file("bent.skd", &bytes);
+        tool.fails("inspect bent.skd --json", 1, &["bent.skd"]);
+    }
+}
