@@ -52,5 +52,6 @@ fn ray_from_inside(mesh: &slimkd::TriangleMesh, rng: &mut Rng, kind: u64) -> Ray
             return Ray::new(origin, if direction == [0.0; 3] { [1.0, 0.0, 0.0] } else { direction });
         }
     };
-    Ray::new(origin, <[f32; 3]>::from(std::array::from_fn(|k| target[k] - origin[k])))
+    let direction: [f32; 3] = std::array::from_fn(|k| target[k] - origin[k]);
+    Ray::new(origin, direction)
 }

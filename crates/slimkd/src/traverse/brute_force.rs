@@ -52,12 +52,16 @@ impl<'a> BruteForce<'a> {
 
     fn offer_all(&self, ray: &Ray, sink: &mut impl Sink) {
         let Some(prepared) = PreparedRay::new(ray, &self.bounds) else { return };
+        match prepared.shear.axes[2] {
+            0 => self.offer_along::<0>(&prepared, sink),
+            1 => self.offer_along::<1>(&prepared, sink),
+            _ => self.offer_along::<2>(&prepared, sink),
+        }
+    }
+
+    fn offer_along<const Z: usize>(&self, ray: &PreparedRay, sink: &mut impl Sink) {
         for &id in &self.triangles {
-            if let Some(found) = prepared.shear.intersect(&self.mesh.corners(id))
-                && ray.t_min <= found.t
-                && found.t <= ray.t_max
-                && sink.offer(found, id)
-            {
+            if ray.offer::<Z>(&self.mesh.corners(id), id, sink) {
                 return;
             }
         }

@@ -15,6 +15,7 @@
 //! 3. Intervals are kept in units of the direction scaled by a power of two to a length near 1, so that directions
 //!    of 10⁻³⁰ or 10³⁰ neither overflow nor underflow. Hits report t in the user's units.
 
+use super::sink::Sink;
 use crate::geometry::{Aabb, Ray, Shear};
 
 /// Half-width of a split plane relative to M; derived in the module head.
@@ -84,6 +85,23 @@ impl PreparedRay {
             t_max: ray.t_max,
             scale,
         })
+    }
+}
+
+impl PreparedRay {
+    /// Tests one triangle and offers what lies in the ray's interval. `true` ends the traversal. `Z` must be the ray's
+    /// longest axis.
+    #[inline(always)]
+    pub(crate) fn offer<const Z: usize>(
+        &self,
+        corners: &[[f32; 3]; 3],
+        triangle: u32,
+        sink: &mut impl Sink,
+    ) -> bool {
+        match self.shear.intersect::<Z>(corners) {
+            Some(found) if self.t_min <= found.t && found.t <= self.t_max => sink.offer(found, triangle),
+            _ => false,
+        }
     }
 }
 

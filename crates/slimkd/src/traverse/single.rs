@@ -11,8 +11,7 @@
 
 use super::prepared::{PreparedRay, larger, smaller};
 use super::sink::Sink;
-use crate::geometry::TriangleMesh;
-use crate::tree::{Encoded, Packed};
+use crate::tree::{Packed, TreeView};
 
 /// Deepest tree whose far children fit the stack in the frame; scenes measured so far end at depth 30 to 60.
 const SMALL_DEPTH: usize = 64;
@@ -26,32 +25,34 @@ struct Far {
 }
 
 /// Offers every triangle that the ray may hit to `sink`, nearer voxels first.
-pub(crate) fn traverse(
-    tree: &Encoded,
-    mesh: &TriangleMesh,
-    depth: u32,
-    ray: &PreparedRay,
-    sink: &mut impl Sink,
-) {
+pub(crate) fn traverse(tree: TreeView<'_>, depth: u32, ray: &PreparedRay, sink: &mut impl Sink) {
+    match ray.shear.axes[2] {
+        0 => along::<0>(tree, depth, ray, sink),
+        1 => along::<1>(tree, depth, ray, sink),
+        _ => along::<2>(tree, depth, ray, sink),
+    }
+}
+
+fn along<const Z: usize>(tree: TreeView<'_>, depth: u32, ray: &PreparedRay, sink: &mut impl Sink) {
     if depth as usize <= SMALL_DEPTH {
-        walk(tree, mesh, ray, sink, &mut [Far::default(); SMALL_DEPTH]);
+        walk::<Z>(tree, ray, sink, &mut [Far::default(); SMALL_DEPTH]);
     } else {
-        walk(tree, mesh, ray, sink, &mut vec![Far::default(); depth as usize]);
+        walk::<Z>(tree, ray, sink, &mut vec![Far::default(); depth as usize]);
     }
 }
 
 #[inline(always)]
-fn walk(tree: &Encoded, mesh: &TriangleMesh, ray: &PreparedRay, sink: &mut impl Sink, stack: &mut [Far]) {
+fn walk<const Z: usize>(tree: TreeView<'_>, ray: &PreparedRay, sink: &mut impl Sink, stack: &mut [Far]) {
     let mut top = 0;
-    let mut node = tree.nodes[0];
+    let mut node = tree.node(0);
     let (mut enter, mut exit) = (ray.enter, ray.exit);
     loop {
         while !node.is_leaf() {
             let axis = node.axis();
             let children = node.pointer();
             if node.has_t_reference() {
-                let triangle = tree.nodes[children as usize + 2].triangle();
-                if test(mesh, ray, triangle, sink) {
+                let triangle = tree.node(children + 2).triangle();
+                if ray.offer::<Z>(&tree.corners(triangle), triangle, sink) {
                     return;
                 }
                 exit = smaller(sink.limit() * ray.scale, exit);
@@ -60,17 +61,17 @@ fn walk(tree: &Encoded, mesh: &TriangleMesh, ray: &PreparedRay, sink: &mut impl 
             let (first, last) = (middle - ray.slack[axis], middle + ray.slack[axis]);
             let near = ray.near[axis];
             if exit < first {
-                node = tree.nodes[(children + near) as usize];
+                node = tree.node(children + near);
             } else if last < enter {
-                node = tree.nodes[(children + (near ^ 1)) as usize];
+                node = tree.node(children + (near ^ 1));
             } else {
                 stack[top] = Far { node: children + (near ^ 1), enter: larger(first, enter), exit };
                 top += 1;
-                node = tree.nodes[(children + near) as usize];
+                node = tree.node(children + near);
                 exit = smaller(last, exit);
             }
         }
-        if test_leaf(tree, mesh, ray, node, sink) {
+        if test_leaf::<Z>(tree, ray, node, sink) {
             return;
         }
         let limit = sink.limit() * ray.scale;
@@ -81,7 +82,7 @@ fn walk(tree: &Encoded, mesh: &TriangleMesh, ray: &PreparedRay, sink: &mut impl 
             top -= 1;
             let far = stack[top];
             if far.enter <= limit {
-                node = tree.nodes[far.node as usize];
+                node = tree.node(far.node);
                 enter = far.enter;
                 exit = smaller(limit, far.exit);
                 break;
@@ -91,29 +92,27 @@ fn walk(tree: &Encoded, mesh: &TriangleMesh, ray: &PreparedRay, sink: &mut impl 
 }
 
 #[inline(always)]
-fn test_leaf(
-    tree: &Encoded,
-    mesh: &TriangleMesh,
+fn test_leaf<const Z: usize>(
+    tree: TreeView<'_>,
     ray: &PreparedRay,
     node: Packed,
     sink: &mut impl Sink,
 ) -> bool {
-    let first = node.pointer() as usize;
+    let first = node.pointer();
     if node.is_2byte() {
         let upper = node.upper();
-        let ids = &tree.indices_2byte[first..first + node.count_2byte() as usize];
-        ids.iter().any(|&lower| test(mesh, ray, upper | u32::from(lower), sink))
+        for &lower in tree.indices_2byte(first, node.count_2byte()) {
+            let id = upper | u32::from(lower);
+            if ray.offer::<Z>(&tree.corners(id), id, sink) {
+                return true;
+            }
+        }
     } else {
-        let ids = &tree.indices_4byte[first..first + node.count_4byte() as usize];
-        ids.iter().any(|&id| test(mesh, ray, id, sink))
+        for &id in tree.indices_4byte(first, node.count_4byte()) {
+            if ray.offer::<Z>(&tree.corners(id), id, sink) {
+                return true;
+            }
+        }
     }
-}
-
-/// `true` ends the traversal.
-#[inline(always)]
-fn test(mesh: &TriangleMesh, ray: &PreparedRay, triangle: u32, sink: &mut impl Sink) -> bool {
-    match ray.shear.intersect(&mesh.corners(triangle)) {
-        Some(found) if ray.t_min <= found.t && found.t <= ray.t_max => sink.offer(found, triangle),
-        _ => false,
-    }
+    false
 }

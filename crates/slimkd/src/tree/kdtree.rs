@@ -2,7 +2,7 @@
 
 use super::encode::{Encoded, encode};
 use super::statistics::TreeStatistics;
-use super::{MemoryReport, walk};
+use super::{MemoryReport, TreeView, walk};
 use crate::build::{BuildError, BuildOptions, Builder, Progress};
 use crate::geometry::{Aabb, Ray, TriangleMesh};
 use crate::reduce::reduce;
@@ -90,7 +90,7 @@ impl KdTree {
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
         let prepared = PreparedRay::new(ray, &self.bounds)?;
         let mut sink = Closest::new(ray.t_max);
-        traverse(&self.encoded, &self.mesh, self.depth, &prepared, &mut sink);
+        traverse(TreeView::new(self), self.depth, &prepared, &mut sink);
         sink.into_hit()
     }
 
@@ -98,7 +98,7 @@ impl KdTree {
     pub fn any_hit(&self, ray: &Ray) -> bool {
         let Some(prepared) = PreparedRay::new(ray, &self.bounds) else { return false };
         let mut sink = Any { found: false, t_max: ray.t_max };
-        traverse(&self.encoded, &self.mesh, self.depth, &prepared, &mut sink);
+        traverse(TreeView::new(self), self.depth, &prepared, &mut sink);
         sink.found
     }
 
@@ -114,7 +114,7 @@ impl KdTree {
         hits.clear();
         let Some(prepared) = PreparedRay::new(ray, &self.bounds) else { return };
         let mut sink = All { hits, t_max: ray.t_max };
-        traverse(&self.encoded, &self.mesh, self.depth, &prepared, &mut sink);
+        traverse(TreeView::new(self), self.depth, &prepared, &mut sink);
         hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
         hits.dedup_by_key(|hit| hit.triangle);
     }

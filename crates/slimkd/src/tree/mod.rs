@@ -6,11 +6,12 @@ mod kdtree;
 mod layout;
 mod memory;
 mod statistics;
+mod view;
 mod walk;
 
-pub(crate) use encode::Encoded;
 pub use file::FileError;
 pub use kdtree::KdTree;
 pub(crate) use layout::Packed;
 pub use memory::MemoryReport;
 pub use statistics::{LeafReferences, NodeCounts, TreeStatistics};
+pub(crate) use view::TreeView;
