@@ -24,6 +24,9 @@ mod shapes;
 mod stage;
 mod tree;
 
+#[cfg(test)]
+mod tests;
+
 use crate::{Scene, UpAxis};
 use builder::Builder;
 use stage::Stage;

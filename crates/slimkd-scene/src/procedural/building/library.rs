@@ -27,6 +27,9 @@ pub(super) fn draw(b: &mut Builder, p: &Paints) {
             b.within(Frame::at(x, 0.0, 3.0 + 0.4 * side).turned(turn), |b| desk::draw(b, p));
         }
     }
+    if !b.has(0.03) {
+        return;
+    }
     // A glazed wall towards the core.
     b.paint(p.inner_pane).quad(vec3(4.2, 0.0, -6.0), Vec3::Z * 5.0, Vec3::Y * 2.4);
     b.paint(p.dark_steel);
@@ -37,6 +40,9 @@ pub(super) fn draw(b: &mut Builder, p: &Paints) {
 
 fn shelf(b: &mut Builder, p: &Paints) {
     b.paint(p.wood);
+    if !b.has(0.03) {
+        return b.block(0.0, 0.0, 0.0, vec3(LENGTH, HEIGHT, DEPTH));
+    }
     for x in [-0.5 * LENGTH, 0.0, 0.5 * LENGTH] {
         b.block(x, 0.0, 0.0, vec3(0.03, HEIGHT, DEPTH));
     }

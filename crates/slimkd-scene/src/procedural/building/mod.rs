@@ -52,7 +52,7 @@ impl Paints {
     fn new(b: &mut Builder) -> Self {
         Self {
             concrete: b.matte("concrete", [0.50, 0.49, 0.47]),
-            floor: b.glossy("terrazzo", [0.46, 0.44, 0.41], 0.14),
+            floor: b.glossy("terrazzo", [0.56, 0.54, 0.50], 0.07),
             carpet: b.matte("carpet", [0.17, 0.20, 0.23]),
             wall: b.matte("plaster", [0.76, 0.75, 0.72]),
             steel: b.metal("steel", [0.58, 0.59, 0.61], 0.25),
@@ -68,7 +68,7 @@ impl Paints {
             fabric: [
                 b.matte("blue fabric", [0.07, 0.15, 0.34]),
                 b.matte("orange fabric", [0.62, 0.22, 0.04]),
-                b.matte("grey fabric", [0.20, 0.20, 0.21]),
+                b.matte("grey fabric", [0.36, 0.37, 0.38]),
             ],
             books: [
                 b.matte("red book", [0.45, 0.05, 0.04]),
@@ -108,8 +108,8 @@ pub(super) fn draw(b: &mut Builder) -> Stage {
     outside(b, &p);
     let eye = |storey: f32| STOREY * storey + 1.7;
     let mut lights = vec![sun([-0.42, -0.60, -0.68], [1.0, 0.92, 0.78])];
-    for (storey, x) in [(2.0, -13.0), (2.0, -6.0), (4.0, 6.0), (4.0, 13.0)] {
-        lights.push(lamp([x, STOREY * storey + 2.75, 0.5], 3.0, [0.34, 0.33, 0.31]));
+    for (storey, x) in [(2.0, -14.0), (2.0, -5.0), (4.0, 5.0), (4.0, 14.0)] {
+        lights.push(lamp([x, STOREY * storey + 2.55, 3.4], 3.0, [0.55, 0.54, 0.51]));
     }
     Stage {
         cameras: vec![
@@ -138,7 +138,8 @@ fn furnish(b: &mut Builder, p: &Paints, storey: u32) {
         1 => library::draw(b, p),
         _ => desks(b, p, 1.0),
     }
-    for (x, z) in [(-17.2, 7.2), (17.2, 7.2), (-3.6, -7.2), (3.6, -7.2)] {
+    let pots = if b.has(0.03) { 4 } else { 0 };
+    for (x, z) in [(-17.2, 7.2), (17.2, 7.2), (-3.6, -7.2), (3.6, -7.2)].into_iter().take(pots) {
         b.within(Frame::at(x, 0.0, z), |b| potted(b, p));
     }
 }
@@ -167,7 +168,7 @@ fn desks(b: &mut Builder, p: &Paints, side: f32) {
 
 /// Sofas and low tables.
 fn lounge(b: &mut Builder, p: &Paints) {
-    let groups = if b.has(0.04) { 3 } else { 1 };
+    let groups = if b.has(0.04) { 3 } else { 0 };
     let (n, m) = (b.segments(12.0, 0), b.segments(56.0, 4));
     for k in 0..groups {
         let x = 6.5 + 4.2 * k as f32;

@@ -77,7 +77,11 @@ fn facade(b: &mut Builder, p: &Paints) {
             b.block(x, -0.02, z, vec3(0.14, height, 0.06));
         }
     }
-    let levels = if b.has(0.04) { 2 } else { 1 };
+    let levels = match () {
+        () if b.has(0.04) => 2,
+        () if b.has(0.03) => 1,
+        () => 0,
+    };
     for storey in 0..STOREYS {
         let base = STOREY * storey as f32;
         for y in [base - 0.02, base + 0.9].into_iter().take(levels) {

@@ -25,7 +25,7 @@ pub(super) fn draw(b: &mut Builder, p: &Paints) {
 
 /// A flight of the given middle line at `x`: treads on two slanting stringers.
 fn flight(b: &mut Builder, p: &Paints, x: f32, from: Vec3, to: Vec3) {
-    let steps = if b.has(0.04) { STEPS } else { 2 };
+    let steps = if b.has(0.04) { STEPS } else { 1 };
     let (from, to) = (from + Vec3::X * x, to + Vec3::X * x);
     b.paint(p.wood);
     for k in 0..steps {

@@ -7,6 +7,11 @@ use crate::procedural::math::{TURN, around};
 use glam::{Vec3, vec2, vec3};
 
 pub(super) fn draw(b: &mut Builder, p: &Paints) {
+    if !b.has(0.03) {
+        b.paint(p.black).cone(Vec3::ZERO, Vec3::Y * 0.43, 0.28, 0.03, 3, false);
+        b.paint(p.cushion).cuboid(vec3(-0.25, 0.43, -0.24), vec3(0.25, 0.52, 0.24));
+        return b.quad(vec3(-0.23, 0.56, 0.22), Vec3::X * 0.46, vec3(0.0, 0.54, 0.1));
+    }
     base(b, p);
     // The seat: a cushion on a shell.
     let n = b.segments(14.0, 0);

@@ -49,8 +49,8 @@ impl Paints {
         Self {
             wall: b.matte("wall", [0.74, 0.72, 0.68]),
             ceiling: b.matte("ceiling tile", [0.82, 0.82, 0.80]),
-            carpet: b.matte("carpet", [0.13, 0.17, 0.24]),
-            carpet_dark: b.matte("dark carpet", [0.09, 0.12, 0.18]),
+            carpet: b.matte("carpet", [0.17, 0.19, 0.23]),
+            carpet_dark: b.matte("dark carpet", [0.11, 0.13, 0.17]),
             walnut: b.glossy("walnut", [0.20, 0.10, 0.05], 0.16),
             maple: b.glossy("maple", [0.50, 0.33, 0.18], 0.03),
             steel: b.metal("steel", [0.55, 0.55, 0.57], 0.30),
@@ -83,13 +83,13 @@ pub(super) fn draw(b: &mut Builder) -> Stage {
     let mut lights =
         vec![sun([0.25, -0.62, 0.75], [0.9, 0.82, 0.66]), lamp([-4.2, 2.3, 0.0], 1.3, [0.25, 0.28, 0.34])];
     for x in [-3.0, 0.0, 3.0] {
-        lights.push(lamp([x, H - 0.25, 0.0], 2.1, [0.28, 0.27, 0.25]));
+        lights.push(lamp([x, H - 0.55, 0.0], 2.1, [0.30, 0.29, 0.27]));
     }
     Stage {
         cameras: vec![
             view([4.45, 1.85, 2.75], [-1.4, 0.75, -0.5], 56.0),
             view([-4.3, 1.60, 2.6], [1.2, 0.85, -0.7], 58.0),
-            view([3.75, 1.30, 0.35], [-3.0, 1.05, -0.25], 52.0),
+            view([4.55, 1.55, 0.75], [-3.0, 1.0, -0.25], 50.0),
         ],
         lights,
         filler: Filler {

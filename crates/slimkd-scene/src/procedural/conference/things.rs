@@ -304,6 +304,9 @@ fn blade(b: &mut Builder, rng: &mut Rng, nu: u32, nv: u32) {
 
 /// Framed pictures on the long wall.
 fn pictures(b: &mut Builder, p: &Paints) {
+    if !b.has(0.03) {
+        return;
+    }
     for (k, x) in [-2.6f32, 0.2, 2.2].into_iter().enumerate() {
         let (w, h, z) = (0.55, 0.38, D - 0.02);
         b.paint(p.black);

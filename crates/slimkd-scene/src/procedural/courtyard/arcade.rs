@@ -127,7 +127,7 @@ fn arch(b: &mut Builder, p: &Paints) {
         for x in [-1.0, 1.0] {
             let foot = vec3(x * RADIUS, spring, side * half);
             let out = Vec3::X * (x * (0.5 * BAY - RADIUS));
-            b.patch(1, 1, Closure::OPEN, |u, v| {
+            b.patch(1, 1, Closure { last_pole: true, ..Closure::OPEN }, |u, v| {
                 let high = vec3(x * 0.5 * BAY, top, side * half);
                 ((foot + out * u).lerp(high, v), Vec3::Z * side)
             });

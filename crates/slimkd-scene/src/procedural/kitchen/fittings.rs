@@ -232,7 +232,7 @@ fn backsplash(b: &mut Builder, p: &Paints) {
 fn shelves(b: &mut Builder, p: &Paints) {
     for (level, y) in [1.25f32, 1.65, 2.05].into_iter().enumerate() {
         b.paint(p.wood).cuboid(vec3(-W, y - 0.03, -1.5), vec3(-W + 0.30, y, 1.6));
-        for z in [-1.3, 0.0, 1.4] {
+        for z in [-1.3, 0.0, 1.4].into_iter().take(if b.has(0.03) { 3 } else { 0 }) {
             b.paint(p.black).beam(vec3(-W + 0.01, y - 0.25, z), vec3(-W + 0.26, y - 0.03, z), 0.02, 0.02);
         }
         let items = if b.has(0.3) {

@@ -52,6 +52,9 @@ pub(super) fn draw(b: &mut Builder, p: &Paints) {
 fn place(b: &mut Builder, p: &Paints, x: f32, z: f32, side: f32) {
     b.within(Frame::at(x, TOP + 0.001, z).turned(if side > 0.0 { 0.0 } else { 0.5 * TURN }), |b| {
         tableware::plates(b, p.china, 1);
+        if !b.has(0.03) {
+            return;
+        }
         b.within(Frame::at(0.0, 0.012, 0.0).scaled(0.72, 1.0, 0.72), |b| tableware::plates(b, p.blue, 1));
         if b.has(0.05) {
             b.within(Frame::at(0.19, 0.0, -0.12), |b| tableware::wine_glass(b, p.glass));

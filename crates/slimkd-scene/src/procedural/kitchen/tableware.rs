@@ -83,7 +83,7 @@ pub(super) fn plates(b: &mut Builder, paint: Paint, count: u32) {
     let reversed: Vec<Vec2> = profile.iter().rev().copied().collect();
     b.paint(paint);
     for k in 0..if b.has(0.1) { count } else { 1 } {
-        b.within(Frame::at(0.0, 0.010 * k as f32, 0.0), |b| b.lathe(&reversed, n, m));
+        b.within(Frame::at(0.0, 0.007 * k as f32, 0.0), |b| b.lathe(&reversed, n, m));
     }
 }
 

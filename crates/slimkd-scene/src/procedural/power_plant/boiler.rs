@@ -15,13 +15,16 @@ const FLOORS: u32 = 5;
 pub(super) fn draw(b: &mut Builder, p: &Paints) {
     frame(b, p);
     boiler(b, p);
-    for floor in 1..=FLOORS {
+    for floor in (1..=FLOORS).step_by(if b.has(0.03) { 1 } else { 2 }) {
         platforms(b, p, FLOOR * floor as f32);
     }
     for floor in 0..FLOORS {
         let (y, forth) = (FLOOR * floor as f32, floor % 2 == 0);
         let (z0, z1) = if forth { (-1.5, 10.2) } else { (10.2, -1.5) };
         steelwork::stairs(b, p, vec3(X[3] + 0.8, y, z0), vec3(X[3] + 0.8, y + FLOOR, z1), 0.9);
+        if !b.has(0.03) {
+            continue;
+        }
         // The landing between two flights.
         let z = z1 + if forth { 0.7 } else { -0.7 };
         let min = vec3(X[3], y + FLOOR, z - 0.8);
@@ -63,7 +66,7 @@ fn frame(b: &mut Builder, p: &Paints) {
     }
     // Diagonal braces in alternating bays: long, thin, and parallel to no axis.
     b.paint(p.red);
-    let floors = if fine { FLOORS } else { 2 };
+    let floors = if fine { FLOORS } else { 1 };
     for floor in 0..floors {
         let (y0, y1) = (FLOOR * floor as f32, FLOOR * (floor + 1) as f32 - 0.35);
         for k in 0..3 {
@@ -125,7 +128,7 @@ fn boiler(b: &mut Builder, p: &Paints) {
     tube_walls(b, p, [x0, x1, y0, y1, z0, z1]);
     // Buckstays: girders around the boiler.
     b.paint(p.steel);
-    let stays = if b.has(0.05) { 9 } else { 2 };
+    let stays = if b.has(0.05) { 9 } else { 0 };
     for k in 0..stays {
         let y = y0 + 1.2 + 2.6 * k as f32;
         for z in [z0 - 0.28, z1 + 0.28] {
@@ -178,12 +181,15 @@ fn drum(b: &mut Builder, p: &Paints, y: f32, z0: f32, z1: f32) {
             vec2(0.0, length + 0.5),
         ];
         b.paint(p.lagging).lathe(&shell, n, m);
-        for k in 0..5 {
+        for k in 0..if b.has(0.03) { 5 } else { 0 } {
             b.within(Frame::at(0.0, length * (k as f32 + 0.5) / 5.0, 0.0), |b| {
                 b.torus(0.0, r, 0.03, n, m / 3)
             });
         }
     });
+    if !b.has(0.03) {
+        return;
+    }
     let (sides, bend) = (b.segments(20.0, 3), b.segments(10.0, 1));
     let risers = if b.has(0.06) { 22 } else { 5 };
     for k in 0..risers {
@@ -199,7 +205,11 @@ fn drum(b: &mut Builder, p: &Paints, y: f32, z0: f32, z1: f32) {
 /// Burners in the front wall with their ducts.
 fn burners(b: &mut Builder, p: &Paints, x: f32) {
     let (n, m) = (b.segments(60.0, 4), b.segments(20.0, 2));
-    let rows = if b.has(0.05) { 3 } else { 1 };
+    let rows = match () {
+        () if b.has(0.05) => 3,
+        () if b.has(0.03) => 1,
+        () => 0,
+    };
     for row in 0..rows {
         for k in 0..4 {
             let at = vec3(x, 8.6 + 6.0 * row as f32, -5.0 + 3.4 * k as f32);

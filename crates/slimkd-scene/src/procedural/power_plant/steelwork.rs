@@ -66,7 +66,11 @@ pub(super) fn stairs(b: &mut Builder, p: &Paints, from: Vec3, to: Vec3, width: f
     for side in [-1.0, 1.0] {
         b.beam(from + across * side, to + across * side, 0.03, 0.26);
     }
-    let rise = if b.has(0.05) { 0.2 } else { 1.0 };
+    let rise = match () {
+        () if b.has(0.05) => 0.2,
+        () if b.has(0.03) => 1.0,
+        () => 100.0,
+    };
     let steps = ((to.y - from.y) / rise) as u32 + 1;
     b.paint(p.grating);
     for k in 0..steps {

@@ -63,13 +63,13 @@ fn tank(b: &mut Builder, p: &Paints, radius: f32, height: f32) {
     steelwork::ladder(b, p, around(4.4) * (radius + 0.2), height, around(4.4 + 0.25 * TURN));
     // A nozzle with a valve towards the rack.
     let bend = b.segments(10.0, 1);
-    b.paint(p.blue).pipe(
-        &[vec3(0.0, 0.7, -radius), vec3(0.0, 0.7, -radius - 3.2), vec3(0.0, 3.0, -radius - 3.2)],
-        0.18,
-        0.5,
-        n / 5,
-        bend,
-    );
+    let nozzle = [
+        vec3(0.0, 0.7, -radius),
+        vec3(0.0, 0.7, -radius - 3.2),
+        vec3(0.0, 3.45, -radius - 3.2),
+        vec3(0.0, 3.45, -10.6),
+    ];
+    b.paint(p.blue).pipe(&nozzle, 0.18, 0.5, n / 5, bend);
     steelwork::valve(b, p, vec3(0.0, 0.7, -radius - 1.2), Vec3::NEG_Z, 0.18);
     steelwork::flange(b, p, vec3(0.0, 0.7, -radius - 2.2), Vec3::NEG_Z, 0.18);
 }
@@ -89,6 +89,9 @@ fn sphere(b: &mut Builder, p: &Paints) {
             b.paint(p.galvanised);
             b.cone(foot(k), head(k + 1), 0.035, 0.035, sides / 2, false);
             b.cone(foot(k + 1), head(k), 0.035, 0.035, sides / 2, false);
+        }
+        if !b.has(0.03) {
+            return;
         }
         b.paint(p.red).torus(up, radius + 0.02, 0.06, n, sides / 2);
     });

@@ -7,11 +7,14 @@ use crate::procedural::math::{TURN, around};
 use glam::{Vec3, vec2, vec3};
 
 pub(super) fn draw(b: &mut Builder, p: &Paints) {
-    for x in [-33.0, -41.0] {
+    let all = if b.has(0.03) { 2 } else { 1 };
+    for x in [-33.0, -41.0].into_iter().take(all) {
         b.within(Frame::at(x, 0.0, -14.0), |b| chimney(b, p));
     }
     b.within(Frame::at(14.0, 0.0, -62.0), |b| cooling_tower(b, p));
-    b.within(Frame::at(-42.0, 0.0, -78.0), |b| cooling_tower(b, p));
+    if b.has(0.03) {
+        b.within(Frame::at(-42.0, 0.0, -78.0), |b| cooling_tower(b, p));
+    }
     flue(b, p);
     conveyor(b, p);
     lines(b, p);
@@ -52,7 +55,8 @@ fn cooling_tower(b: &mut Builder, p: &Paints) {
         (11.5f32 * 11.5 + 520.0 * y * y).sqrt()
     };
     b.paint(p.concrete);
-    for (inset, sign) in [(0.0, 1.0), (0.35, -1.0)] {
+    let skins = if b.has(0.03) { 2 } else { 1 };
+    for (inset, sign) in [(0.0, 1.0), (0.35, -1.0)].into_iter().take(skins) {
         b.patch(n, m, Closure::RING, |u, v| {
             let out = around(TURN * u);
             let slope = (radius(v + 0.01) - radius(v - 0.01)) / (0.02 * height);
@@ -60,7 +64,7 @@ fn cooling_tower(b: &mut Builder, p: &Paints) {
         });
     }
     b.within(Frame::at(0.0, base + height, 0.0), |b| b.annulus(0.0, radius(1.0) - 0.35, radius(1.0), n));
-    let struts = if b.has(0.05) { 40 } else { 10 };
+    let struts = if b.has(0.05) { 40 } else { 6 };
     let (sides, r) = (b.segments(14.0, 3), radius(0.0) - 0.15);
     for k in 0..struts {
         let at = |k: f32, out: f32, y: f32| around(TURN * k / struts as f32) * (r + out) + Vec3::Y * y;
@@ -100,7 +104,7 @@ fn conveyor(b: &mut Builder, p: &Paints) {
             b.beam(from + across * side + up * lift, to + across * side + up * lift, 0.2, 0.2);
         }
     }
-    let fields = if b.has(0.05) { 22 } else { 5 };
+    let fields = if b.has(0.05) { 22 } else { 3 };
     for k in 0..fields {
         let (a, c) = (from.lerp(to, k as f32 / fields as f32), from.lerp(to, (k + 1) as f32 / fields as f32));
         for side in [-1.0, 1.0] {

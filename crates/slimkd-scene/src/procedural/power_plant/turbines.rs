@@ -21,7 +21,8 @@ pub(super) fn draw(b: &mut Builder, p: &Paints) {
             b.block(x, 0.0, z, vec3(0.9, DECK - 0.6, 0.9));
         }
     }
-    for z in [-5.4, 3.4] {
+    let sets = if b.has(0.03) { 2 } else { 1 };
+    for z in [3.4, -5.4].into_iter().take(sets) {
         b.within(Frame::at(7.0, DECK, z), |b| set(b, p));
     }
     let corner = |x: f32, z: f32| vec3(x, DECK, z);
@@ -169,7 +170,7 @@ fn crane(b: &mut Builder, p: &Paints) {
         b.beam(vec3(MIN.0 - 0.5, top, z), vec3(MAX.0 + 0.5, top, z), 0.3, 0.5);
     }
     let (z0, z1) = (MIN.1 - 0.6, MAX.1 + 2.2);
-    let fields = if b.has(0.05) { 14 } else { 3 };
+    let fields = if b.has(0.05) { 14 } else { 2 };
     b.paint(p.yellow);
     for x in [21.0, 22.6] {
         b.beam(vec3(x, top + 0.4, z0), vec3(x, top + 0.4, z1), 0.2, 0.2);

@@ -74,7 +74,8 @@ impl Builder {
         if n == 0 {
             return self.cuboid(center - half, center + half);
         }
-        let radius = radius.min(half.min_element());
+        // A flat middle always remains, however thin: else its cells would collapse.
+        let radius = radius.min(0.97 * half.min_element());
         let inner = half - Vec3::splat(radius);
         let middle = (n / 2).max(1);
         let cells = 2 * n + middle;

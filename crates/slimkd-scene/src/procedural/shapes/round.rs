@@ -3,7 +3,7 @@
 use crate::procedural::builder::{Builder, Closure};
 use crate::procedural::frame::Frame;
 use crate::procedural::math::{TURN, around, sin_cos};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, vec2};
 
 /// A Catmull-Rom curve through `points` at `t` of 0 to 1, and its derivative. A corner is a point given twice.
 fn spline(points: &[Vec2], t: f32) -> (Vec2, Vec2) {
@@ -12,11 +12,18 @@ fn spline(points: &[Vec2], t: f32) -> (Vec2, Vec2) {
     let k = (x as usize).min(spans - 1);
     let f = x - k as f32;
     let (p1, p2) = (points[k], points[k + 1]);
-    let p0 = if k > 0 { points[k - 1] } else { p1 * 2.0 - p2 };
-    let p3 = if k + 2 < points.len() { points[k + 2] } else { p2 * 2.0 - p1 };
+    // Beyond an end on the axis the curve goes on as its own mirror image, beyond any other one straight.
+    let beyond = |end: Vec2, before: Vec2| {
+        if end.x == 0.0 { vec2(-before.x, before.y) } else { end * 2.0 - before }
+    };
+    let p0 = if k > 0 { points[k - 1] } else { beyond(p1, p2) };
+    let p3 = if k + 2 < points.len() { points[k + 2] } else { beyond(p2, p1) };
     let (a, b, c) = ((p2 - p0) * 0.5, p0 - p1 * 2.5 + p2 * 2.0 - p3 * 0.5, (p3 - p0) * 0.5 + (p1 - p2) * 1.5);
     (p1 + f * (a + f * (b + f * c)), a + f * (2.0 * b + f * 3.0 * c))
 }
+
+/// Least radius between the poles of a lathe, metres: a curve that swings over the axis leaves no collapsed rings.
+const LEAST: f32 = 2e-4;
 
 impl Builder {
     /// The smooth curve through `profile` (radius, height), turned about the y axis: `around_` by `along` cells.
@@ -33,7 +40,7 @@ impl Builder {
             let (p, d) = spline(profile, v);
             let out = around(TURN * u);
             let d = if d == Vec2::ZERO { Vec2::Y } else { d };
-            (out * p.x.max(0.0) + Vec3::Y * p.y, (out * d.y - Vec3::Y * d.x).normalize_or(Vec3::Y))
+            (out * p.x.max(LEAST) + Vec3::Y * p.y, (out * d.y - Vec3::Y * d.x).normalize_or(Vec3::Y))
         });
     }
 
