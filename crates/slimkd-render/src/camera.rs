@@ -18,7 +18,7 @@ pub enum CameraError {
     /// The up vector has no length or points along the view: choose another one.
     #[error("the camera's up vector is zero or parallel to its view; choose another up axis")]
     UpParallel,
-    /// The vertical field of view is outside [`MIN_FOV`] to [`MAX_FOV`].
+    /// The vertical field of view is too narrow or too wide: choose one from 0.01 to 179 degrees.
     #[error("the field of view is {0} degrees; it must lie between {MIN_FOV} and {MAX_FOV}")]
     FieldOfView(f32),
 }
