@@ -21,6 +21,7 @@ mod workloads;
 
 use args::{Cli, Command};
 use clap::Parser;
+use clap::error::ErrorKind;
 use failure::Failure;
 use std::io::Write;
 use std::process::ExitCode;
@@ -29,11 +30,7 @@ use ui::Ui;
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(error) => {
-            // Help that nobody reads is no failure.
-            let _ = error.print();
-            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
-        }
+        Err(error) => return explain(&error),
     };
     interrupt::listen();
     let Err(mut failure) = run(&cli) else { return ExitCode::SUCCESS };
@@ -41,10 +38,31 @@ fn main() -> ExitCode {
         // Whatever a cancelled library call said, this is the reason.
         failure = Failure::Interrupted;
     }
+    end(&failure)
+}
+
+/// Says why, and ends.
+fn end(failure: &Failure) -> ExitCode {
     if !matches!(failure, Failure::BrokenPipe) {
         let _ = writeln!(std::io::stderr(), "slimkd: error: {failure}");
     }
     ExitCode::from(failure.status())
+}
+
+/// Prints the help that was asked for, or one line on what is wrong with the command line.
+fn explain(error: &clap::Error) -> ExitCode {
+    let nothing_given = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
+    if nothing_given || !error.use_stderr() {
+        // Help that nobody reads is no failure.
+        let _ = error.print();
+        return ExitCode::from(error.exit_code() as u8);
+    }
+    let text = error.to_string();
+    // The first paragraphs say what is wrong and what would be right; the usage line would only bury them.
+    let lines = text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
+    let what = lines.map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
+    let what = what.strip_prefix("error: ").unwrap_or(&what);
+    end(&Failure::Usage(format!("{what}; see --help")))
 }
 
 fn run(cli: &Cli) -> Result<(), Failure> {

@@ -134,8 +134,8 @@ impl Watched for RenderProgress {
 
 /// Builds, renders, writes.
 pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
-    Film::check_format(&args.output).map_err(Failure::work)?;
     let output = Output::prepare(&args.output)?;
+    Film::check_format(output.path()).map_err(Failure::work)?;
     let scene = args.scene.as_deref().unwrap_or(Path::new(DEFAULT_SCENE));
     let mut loaded = scenes::load(scene, args.triangles, ui)?;
     cameras::settle_up(&args.camera, &mut loaded.scene);

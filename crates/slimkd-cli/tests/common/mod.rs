@@ -73,7 +73,7 @@ impl Tool {
         let run = self.run(line);
         assert_eq!(run.status, status, "{line}: {}", run.stderr);
         assert_eq!(run.stdout, "", "{line}");
-        if status == 1 {
+        if !line.is_empty() {
             assert_eq!(run.stderr.lines().count(), 1, "{line}: {}", run.stderr);
             assert!(run.stderr.starts_with("slimkd: error: "), "{line}: {}", run.stderr);
         }
