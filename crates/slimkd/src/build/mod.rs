@@ -5,6 +5,7 @@ mod event;
 mod options;
 mod partition;
 mod plan;
+mod predict;
 mod progress;
 mod recursion;
 mod sah;

@@ -24,7 +24,7 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// Appends a subtree that was built on its own; its T-references must not exist yet.
+    /// Appends a subtree that was built on its own.
     pub(crate) fn append(&mut self, subtree: &Plan) {
         let (nodes, references) = (self.nodes.len() as u32, self.references.len() as u32);
         self.nodes.extend(subtree.nodes.iter().map(|&node| match node {
@@ -33,5 +33,6 @@ impl Plan {
         }));
         self.references.extend_from_slice(&subtree.references);
         self.counts.extend_from_slice(&subtree.counts);
+        self.hoisted.extend(subtree.hoisted.iter().map(|&(node, triangle)| (node + nodes, triangle)));
     }
 }

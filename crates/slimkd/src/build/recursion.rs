@@ -10,10 +10,12 @@
 use super::event::{Event, TRIANGLE_LIMIT, push_events};
 use super::partition::{Scratch, bounds_in, classify, split_list, triangle_bounds};
 use super::plan::{Plan, PlanNode};
+use super::predict::Predictor;
 use super::sah::VoxelSah;
 use super::sweep::{Split, best_on_axis, cheapest};
 use super::{BuildError, BuildOptions, Progress};
 use crate::geometry::{Aabb, TriangleMesh};
+use crate::reduce::HoistAlgorithm;
 use rayon::prelude::*;
 use std::sync::Mutex;
 
@@ -201,18 +203,30 @@ impl<'a> Builder<'a> {
             parent: Option<usize>,
         }
         let Task { mut lists, voxel, count, weight } = task;
+        let predicting = self.options.hoisting.as_ref().filter(|h| h.algorithm == HoistAlgorithm::Predict);
+        let mut predictor = predicting.map(Predictor::new);
         let mut plan = Plan::default();
         let mut done = 0.0;
         let mut pending = vec![Pending { start: [0; 3], voxel, count, weight, parent: None }];
-        while let Some(node) = pending.pop() {
+        while let Some(mut node) = pending.pop() {
             let at = plan.nodes.len();
             plan.counts.push(node.count);
             if let Some(PlanNode::Inner { right, .. }) = node.parent.map(|parent| &mut plan.nodes[parent]) {
                 *right = at as u32;
             }
-            let views = std::array::from_fn(|axis| &lists[axis][node.start[axis]..]);
+            let mut hoisted = None;
+            if let Some(predictor) = &mut predictor
+                && node.count > self.options.leaf_at_most
+            {
+                hoisted = predictor.pick(&lists_from(&lists, &node.start), node.count);
+                for (list, &start) in lists.iter_mut().zip(&node.start).filter(|_| hoisted.is_some()) {
+                    remove(list, start, hoisted);
+                }
+                node.count -= u32::from(hoisted.is_some());
+            }
+            let views = lists_from(&lists, &node.start);
             let Some(split) = self.best_split(&views, &node.voxel, node.count, false) else {
-                emit_leaf(&mut plan, views[0], node.count);
+                emit_leaf(&mut plan, views[0], hoisted);
                 for axis in 0..3 {
                     lists[axis].truncate(node.start[axis]);
                 }
@@ -230,6 +244,7 @@ impl<'a> Builder<'a> {
             for axis in 0..3 {
                 left_start[axis] += split_list(&mut lists[axis], node.start[axis], axis, scratch);
             }
+            plan.hoisted.extend(hoisted.map(|triangle| (at as u32, triangle)));
             plan.nodes.push(PlanNode::Inner { axis: split.axis as u8, split: split.position, right: 0 });
             let (left_voxel, right_voxel) = node.voxel.split(split.axis, split.position);
             let left_weight =
@@ -255,11 +270,27 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Appends a leaf of the triangles in a node's list of any one axis.
-fn emit_leaf(plan: &mut Plan, events: &[Event], count: u32) {
+/// The tops of the event stacks.
+fn lists_from<'a>(lists: &'a [Vec<Event>; 3], start: &[usize; 3]) -> [&'a [Event]; 3] {
+    std::array::from_fn(|axis| &lists[axis][start[axis]..])
+}
+
+/// Takes one triangle's events out of `list[start..]`.
+fn remove(list: &mut Vec<Event>, start: usize, triangle: Option<u32>) {
+    let mut kept = start;
+    for at in start..list.len() {
+        list[kept] = list[at];
+        kept += usize::from(Some(list[at].triangle()) != triangle);
+    }
+    list.truncate(kept);
+}
+
+/// Appends a leaf of the triangles in a node's list of any one axis, and of the one that was to be hoisted: where
+/// nothing is left to split, it comes back.
+fn emit_leaf(plan: &mut Plan, events: &[Event], hoisted: Option<u32>) {
     let first = plan.references.len();
     plan.references.extend(events.iter().filter(|event| event.opens()).map(|event| event.triangle()));
+    plan.references.extend(hoisted);
     plan.references[first..].sort_unstable();
-    debug_assert_eq!(plan.references.len() - first, count as usize);
-    plan.nodes.push(PlanNode::Leaf { first: first as u32, count });
+    plan.nodes.push(PlanNode::Leaf { first: first as u32, count: (plan.references.len() - first) as u32 });
 }

@@ -72,3 +72,98 @@ impl<'a> Picker<'a> {
         best
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::build::{BuildOptions, Builder, Plan, PlanNode, Progress};
+    use crate::geometry::{Aabb, TriangleMesh};
+    use std::collections::BTreeMap;
+
+    /// Twelve walls across a cube, so that some triangles lie in most leaves, and fifty crumbs.
+    fn mesh() -> TriangleMesh {
+        let mut vertices: Vec<[f32; 3]> = Vec::new();
+        let mut state = 1u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / (1 << 24) as f32
+        };
+        for i in 0..62 {
+            let size = if i < 12 { 2.0 } else { 0.05 };
+            let center: [f32; 3] = std::array::from_fn(|_| random());
+            for _ in 0..3 {
+                vertices.push(center.map(|x| x + size * (random() - 0.5)));
+            }
+        }
+        let triangles = (0..62).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        TriangleMesh::new(vertices, triangles).unwrap()
+    }
+
+    /// The slides' formulas, leaf by leaf, with sets and maps.
+    fn naive_pick(work: &Work, at: usize, hoisting: &Hoisting) -> Option<u32> {
+        let leaves: Vec<(f64, Vec<u32>)> = (at..work.ends[at] as usize)
+            .filter_map(|node| match work.plan.nodes[node] {
+                PlanNode::Leaf { first, count } => {
+                    Some((f64::from(work.areas[node]), work.ids(first, count).to_vec()))
+                }
+                PlanNode::Inner { .. } => None,
+            })
+            .collect();
+        let all_area: f64 = leaves.iter().map(|(area, _)| area).sum();
+        let mut measures: BTreeMap<u32, (f64, f64)> = BTreeMap::new();
+        for (area, ids) in &leaves {
+            for &id in ids {
+                let entry = measures.entry(id).or_default();
+                entry.0 += area / all_area;
+                entry.1 += 1.0 / leaves.len() as f64;
+            }
+        }
+        let mut candidates: Vec<_> =
+            measures.into_iter().filter(|&(_, (occ, _))| occ > f64::from(hoisting.occupancy)).collect();
+        candidates.sort_by(|a, b| b.1.0.total_cmp(&a.1.0));
+        candidates.into_iter().find(|&(_, (_, freq))| freq > f64::from(hoisting.frequency)).map(|(id, _)| id)
+    }
+
+    #[test]
+    fn picks_agree_with_the_formulas_written_out() {
+        let mesh = mesh();
+        let (ids, bounds) = mesh.valid_triangles();
+        let (options, progress) = (BuildOptions::default(), Progress::new());
+        let plan = Builder::new(&mesh, &options, &progress).unwrap().build(&ids, bounds, 1.0).unwrap();
+        let nodes = plan.nodes.len();
+        let work = Work::new(plan, &bounds);
+        let mut found = 0;
+        for (occupancy, frequency) in [(0.9, 0.7), (0.5, 0.4), (0.3, 0.2), (0.02, 0.01)] {
+            let hoisting = Hoisting::new(occupancy, frequency);
+            let mut picker = Picker::new(&hoisting, mesh.len());
+            for at in 0..nodes {
+                let picked = picker.pick(&work, at);
+                let expected = naive_pick(&work, at, &hoisting);
+                assert_eq!(picked, expected, "node {at}, thresholds {occupancy}, {frequency}");
+                found += usize::from(picked.is_some());
+            }
+        }
+        assert!(found > 50, "only {found} picks: the test proves nothing");
+    }
+
+    #[test]
+    fn a_triangle_in_every_leaf_has_both_measures_one() {
+        let plan = Plan {
+            nodes: vec![
+                PlanNode::Inner { axis: 0, split: 0.5, right: 2 },
+                PlanNode::Leaf { first: 0, count: 2 },
+                PlanNode::Leaf { first: 2, count: 1 },
+            ],
+            references: vec![0, 7, 7],
+            counts: vec![2, 2, 1],
+            hoisted: Vec::new(),
+        };
+        let work = Work::new(plan, &Aabb { min: [0.0; 3], max: [1.0; 3] });
+        let pick = |occupancy, frequency| {
+            let hoisting = Hoisting::new(occupancy, frequency);
+            Picker::new(&hoisting, 8).pick(&work, 0)
+        };
+        assert_eq!(pick(0.999, 0.999), Some(7));
+        assert_eq!(pick(1.0, 0.0), None, "thresholds are strict");
+    }
+}

@@ -25,6 +25,7 @@ pub(crate) fn reduce(
     if let Some(hoisting) = &options.hoisting {
         plan = match hoisting.algorithm {
             HoistAlgorithm::Strip => strip::hoist(plan, voxel, hoisting, options)?,
+            HoistAlgorithm::Predict => plan, // done while building
             HoistAlgorithm::Rebuild => rebuild::hoist(plan, voxel, hoisting, builder)?,
         };
     }

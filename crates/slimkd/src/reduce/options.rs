@@ -52,6 +52,8 @@ pub enum HoistAlgorithm {
     /// One pass over the finished tree: the triangle is taken out of the leaves, and nodes that the leaf rule ends now
     /// become leaves. Our answer to the paper's "future work".
     Strip,
+    /// While building, by measures that are estimated before there is a subtree. One pass, no second look.
+    Predict,
     /// The paper's: the subtree is built anew without the triangle, then searched again.
     Rebuild,
 }

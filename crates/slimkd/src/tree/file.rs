@@ -217,7 +217,11 @@ fn put_options(options: &BuildOptions) -> Vec<u8> {
         words.extend([
             hoisting.occupancy.to_bits(),
             hoisting.frequency.to_bits(),
-            (hoisting.algorithm == HoistAlgorithm::Rebuild).into(),
+            match hoisting.algorithm {
+                HoistAlgorithm::Strip => 0,
+                HoistAlgorithm::Rebuild => 1,
+                HoistAlgorithm::Predict => 2,
+            },
             (hoisting.occupancy_base == OccupancyBase::NodeArea).into(),
             (hoisting.leaves == CountedLeaves::NotEmpty).into(),
             (hoisting.when_leaf_remains == WhenLeafRemains::DropPick).into(),
@@ -249,11 +253,14 @@ fn get_options(block: &[u8]) -> Option<BuildOptions> {
     options.collapse = choose(collapse)?;
     options.hoisting = match (choose(hoists)?, rest) {
         (false, []) => None,
-        (true, &[occupancy, frequency, rebuild, node_area, not_empty, drop_pick]) => {
+        (true, &[occupancy, frequency, algorithm, node_area, not_empty, drop_pick]) => {
             let mut hoisting = Hoisting::new(f32::from_bits(occupancy), f32::from_bits(frequency));
-            if choose(rebuild)? {
-                hoisting.algorithm = HoistAlgorithm::Rebuild;
-            }
+            hoisting.algorithm = match algorithm {
+                0 => HoistAlgorithm::Strip,
+                1 => HoistAlgorithm::Rebuild,
+                2 => HoistAlgorithm::Predict,
+                _ => return None,
+            };
             if choose(node_area)? {
                 hoisting.occupancy_base = OccupancyBase::NodeArea;
             }

@@ -12,9 +12,13 @@ pub fn variants() -> Vec<(String, BuildOptions)> {
         collapsed.collapse = true;
         out.push((format!("{} + collapse", preset.name()), collapsed));
         if plain.hoisting.is_some() {
-            let mut rebuilt = plain.clone();
-            rebuilt.hoisting.as_mut().unwrap().algorithm = HoistAlgorithm::Rebuild;
-            out.push((format!("{} + rebuild", preset.name()), rebuilt));
+            for (label, algorithm) in
+                [("rebuild", HoistAlgorithm::Rebuild), ("predict", HoistAlgorithm::Predict)]
+            {
+                let mut other = plain.clone();
+                other.hoisting.as_mut().unwrap().algorithm = algorithm;
+                out.push((format!("{} + {label}", preset.name()), other));
+            }
         }
         out.push((preset.name().to_string(), plain));
     }
