@@ -53,7 +53,7 @@ impl Paints {
         Self {
             concrete: b.matte("concrete", [0.50, 0.49, 0.47]),
             floor: b.glossy("terrazzo", [0.56, 0.54, 0.50], 0.07),
-            carpet: b.matte("carpet", [0.17, 0.20, 0.23]),
+            carpet: b.matte("carpet", [0.26, 0.30, 0.34]),
             wall: b.matte("plaster", [0.76, 0.75, 0.72]),
             steel: b.metal("steel", [0.58, 0.59, 0.61], 0.25),
             dark_steel: b.metal("anodised frame", [0.10, 0.11, 0.12], 0.08),
@@ -132,6 +132,10 @@ pub(super) fn draw(b: &mut Builder) -> Stage {
 
 /// West and east wing of a storey.
 fn furnish(b: &mut Builder, p: &Paints, storey: u32) {
+    b.paint(p.carpet);
+    for x in [-17.2, 4.0] {
+        b.quad(vec3(x, 0.004, -5.9), Vec3::Z * 11.6, Vec3::X * 13.2);
+    }
     desks(b, p, -1.0);
     match storey % 3 {
         0 => lounge(b, p),
