@@ -88,6 +88,9 @@ pub struct BuildOptions {
     pub hoisting: Option<Hoisting>,
     /// Whether subtrees that SAH finds no cheaper than a leaf become one.
     pub collapse: bool,
+    /// How much bytes count beside rays when [`BuildOptions::collapse`] decides, 0 and up: at weight ℓ, halving the tree
+    /// may raise its SAH cost by ℓ/2 of the whole. 0 (default): rays alone.
+    pub byte_weight: f32,
     /// Threads to build with; `None` uses the current rayon pool. The tree is the same at any count.
     pub threads: Option<NonZeroUsize>,
 }
@@ -108,6 +111,7 @@ impl From<Preset> for BuildOptions {
             two_byte_leaves: preset != Preset::Standard,
             hoisting,
             collapse: false,
+            byte_weight: 0.0,
             threads: None,
         }
     }
@@ -129,6 +133,10 @@ impl BuildOptions {
                 return Err(BuildError::InvalidOption { name, value: value.into() });
             }
         }
+        if !(self.byte_weight.is_finite() && self.byte_weight >= 0.0) {
+            let (name, value) = ("byte weight", self.byte_weight.into());
+            return Err(BuildError::InvalidOption { name, value });
+        }
         for (name, value) in self.hoisting.iter().flat_map(Hoisting::thresholds) {
             if !(0.0..=1.0).contains(&value) {
                 return Err(BuildError::InvalidThreshold { name, value: value.into() });
@@ -145,8 +153,8 @@ pub enum BuildError {
     /// [`super::Progress::cancel`] was called: nothing is left behind, build again when wanted.
     #[error("the build was cancelled")]
     Cancelled,
-    /// A constant is out of its range: set it to a positive finite number.
-    #[error("the {name} is {value}; set it to a positive finite number")]
+    /// A constant is out of its range: set it to a finite number above 0 (a byte weight may be 0).
+    #[error("the {name} is {value}; set it to a finite number above 0")]
     InvalidOption {
         /// Which constant.
         name: &'static str,

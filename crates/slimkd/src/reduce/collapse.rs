@@ -1,24 +1,72 @@
 //! Subtrees that do not pay for themselves become leaves.
 //!
-//! Source: Wald & Havran 2006 §3.2 name the greedy termination's weakness; Mitsuba's "retraction" (`gkdtree.h`) undoes splits
-//! whose subtree turned out no cheaper than a leaf. Here it is decided bottom-up over the finished tree: a subtree
-//! becomes one leaf of its distinct triangles, T-references included, when that is no dearer by SAH.
+//! Sources: Wald & Havran 2006 §3.2 name the greedy termination's weakness; Mitsuba's "retraction" (`gkdtree.h`) undoes
+//! splits whose subtree turned out no cheaper than a leaf.
+//!
+//! Deviations
+//! 1. Decided bottom-up over the finished tree: a subtree becomes one leaf of its distinct triangles, T-references
+//!    included, when that is no dearer.
+//! 2. Dear is what costs rays or bytes: `J = SAH cost + λ · bytes`, λ = [`BuildOptions::byte_weight`] · (SAH cost of the
+//!    whole tree / its bytes). At weight 0 only rays count. At weight ℓ, a tree of half the bytes may cost ℓ/2 more.
+//!
+//! [`BuildOptions::byte_weight`]: crate::BuildOptions::byte_weight
 
 use super::work::Work;
 use crate::build::{Plan, PlanNode, SahConstants};
 use crate::geometry::Aabb;
 
-/// Cost of a subtree relative to the root's area, and its distinct triangles unless they are too many to matter.
+/// Bytes of a node, see `tree/layout.rs`.
+const NODE_BYTES: f64 = 8.0;
+/// Bytes of a reference in a leaf; the 2-byte mode is not foreseen here.
+const REFERENCE_BYTES: f64 = 4.0;
+
+/// What a node costs: by its voxel's area relative to the root's for rays, and flat for bytes.
+#[derive(Clone, Copy)]
+struct Prices {
+    traversal: f64,
+    intersection: f64,
+    node: f64,
+    reference: f64,
+}
+
+impl Prices {
+    /// An inner node by itself, with its T-references.
+    fn inner(&self, area: f64, t_references: usize) -> f64 {
+        let t_reference = self.intersection * area + 2.0 * self.reference;
+        self.traversal * area + self.node + t_reference * t_references as f64
+    }
+
+    fn per_triangle(&self, area: f64) -> f64 {
+        self.intersection * area + self.reference
+    }
+
+    fn leaf(&self, area: f64, count: usize) -> f64 {
+        self.node + self.per_triangle(area) * count as f64
+    }
+}
+
+/// Cost of a subtree, and its distinct triangles unless they are too many to matter.
 struct Summary {
     cost: f64,
     ids: Option<Vec<u32>>,
 }
 
-/// Collapses wherever that is no dearer.
-pub(crate) fn collapse(plan: Plan, voxel: Aabb, sah: &SahConstants) -> Plan {
+/// Collapses wherever that is no dearer; `byte_weight` is ℓ.
+pub(crate) fn collapse(plan: Plan, voxel: Aabb, sah: &SahConstants, byte_weight: f32) -> Plan {
     let mut work = Work::new(plan, &voxel);
-    let (traversal, intersection) = (f64::from(sah.traversal), f64::from(sah.intersection));
-    let limits = distinct_limits(&work, traversal, intersection);
+    let rays = Prices {
+        traversal: sah.traversal.into(),
+        intersection: sah.intersection.into(),
+        node: 0.0,
+        reference: 0.0,
+    };
+    let plan = &work.plan;
+    let bytes = NODE_BYTES * (plan.nodes.len() + plan.hoisted.len()) as f64
+        + REFERENCE_BYTES * plan.references.len() as f64;
+    let lambda = f64::from(byte_weight) * subtree_costs(&work, &rays)[0] / bytes;
+    let prices = Prices { node: lambda * NODE_BYTES, reference: lambda * REFERENCE_BYTES, ..rays };
+    let limits = distinct_limits(&work, &prices);
+
     // From the back: a node's right subtree lies on the stack below its left one.
     let mut summaries: Vec<Summary> = Vec::new();
     let mut hoisted = work.plan.hoisted.len();
@@ -27,25 +75,23 @@ pub(crate) fn collapse(plan: Plan, voxel: Aabb, sah: &SahConstants) -> Plan {
         let area = f64::from(work.areas[at]);
         match work.plan.nodes[at] {
             PlanNode::Leaf { first, count } => {
-                let cost = intersection * area * f64::from(count);
                 let ids = (count <= limits[at]).then(|| work.ids(first, count).to_vec());
-                summaries.push(Summary { cost, ids });
+                summaries.push(Summary { cost: prices.leaf(area, count as usize), ids });
             }
             PlanNode::Inner { .. } => {
                 let (left, right) = (summaries.pop(), summaries.pop());
                 let (left, right) = left.zip(right).expect("a plan is a binary tree");
-                let mut cost = traversal * area + left.cost + right.cost;
                 let mut ids = left.ids.zip(right.ids).map(|(left, right)| merge(&left, &right));
                 let above = hoisted;
                 while hoisted > 0 && work.plan.hoisted[hoisted - 1].0 as usize == at {
                     hoisted -= 1;
-                    cost += intersection * area;
                     ids = ids.map(|ids| merge(&ids, &[work.plan.hoisted[hoisted].1]));
                 }
+                let mut cost = prices.inner(area, above - hoisted) + left.cost + right.cost;
                 ids = ids.filter(|ids| ids.len() <= limits[at] as usize);
                 match &ids {
-                    Some(distinct) if intersection * area * distinct.len() as f64 <= cost => {
-                        cost = intersection * area * distinct.len() as f64;
+                    Some(distinct) if prices.leaf(area, distinct.len()) <= cost => {
+                        cost = prices.leaf(area, distinct.len());
                         // T-references below were the last to be kept: they are in the leaf now.
                         while kept.last().is_some_and(|&(node, _)| node < work.ends[at]) {
                             kept.pop();
@@ -63,31 +109,39 @@ pub(crate) fn collapse(plan: Plan, voxel: Aabb, sah: &SahConstants) -> Plan {
     work.into_plan()
 }
 
-/// How many distinct triangles a subtree may hold so that it or any node above it may still collapse: a leaf in place
-/// of node `a` costs `K_I · SA(a) · distinct`, and never more than `a` costs now.
-fn distinct_limits(work: &Work, traversal: f64, intersection: f64) -> Vec<u32> {
+/// Cost of every node's subtree as it stands.
+fn subtree_costs(work: &Work, prices: &Prices) -> Vec<f64> {
     let nodes = &work.plan.nodes;
     let mut costs = vec![0.0f64; nodes.len()];
     let mut hoisted = work.plan.hoisted.len();
     for at in (0..nodes.len()).rev() {
         let area = f64::from(work.areas[at]);
-        costs[at] = match nodes[at] {
-            PlanNode::Leaf { count, .. } => intersection * area * f64::from(count),
-            PlanNode::Inner { right, .. } => traversal * area + costs[at + 1] + costs[right as usize],
-        };
+        let above = hoisted;
         while hoisted > 0 && work.plan.hoisted[hoisted - 1].0 as usize == at {
             hoisted -= 1;
-            costs[at] += intersection * area;
         }
+        costs[at] = match nodes[at] {
+            PlanNode::Leaf { count, .. } => prices.leaf(area, count as usize),
+            PlanNode::Inner { right, .. } => {
+                prices.inner(area, above - hoisted) + costs[at + 1] + costs[right as usize]
+            }
+        };
     }
-    let mut limits = vec![0u32; nodes.len()];
-    for at in 0..nodes.len() {
-        // Rounding of the areas to f32 must not rule out a collapse: one triangle of margin.
-        let own = costs[at] / (intersection * f64::from(work.areas[at])) + 1.0;
-        // A voxel without area limits nothing: NaN and infinity become "no limit".
+    costs
+}
+
+/// How many distinct triangles a subtree may hold so that it or any node above it may still collapse: a leaf in place
+/// of a node costs at least `per_triangle · distinct`, and must not cost more than the node does now.
+fn distinct_limits(work: &Work, prices: &Prices) -> Vec<u32> {
+    let costs = subtree_costs(work, prices);
+    let mut limits = vec![0u32; costs.len()];
+    for at in 0..costs.len() {
+        // Rounding must not rule out a collapse: one triangle of margin. A voxel without area limits nothing: NaN and
+        // infinity become "no limit".
+        let own = costs[at] / prices.per_triangle(work.areas[at].into()) + 1.0;
         let own = if own < f64::from(u32::MAX) { own as u32 } else { u32::MAX };
         limits[at] = limits[at].max(own);
-        if let PlanNode::Inner { right, .. } = nodes[at] {
+        if let PlanNode::Inner { right, .. } = work.plan.nodes[at] {
             limits[at + 1] = limits[at];
             limits[right as usize] = limits[at];
         }
@@ -100,8 +154,8 @@ fn merge(a: &[u32], b: &[u32]) -> Vec<u32> {
     let mut out = Vec::with_capacity(a.len() + b.len());
     let (mut i, mut j) = (0, 0);
     while i < a.len() && j < b.len() {
-        out.push(a[i].min(b[j]));
         let (x, y) = (a[i], b[j]);
+        out.push(x.min(y));
         i += usize::from(x <= y);
         j += usize::from(y <= x);
     }

@@ -30,7 +30,7 @@ pub(crate) fn reduce(
         };
     }
     if options.collapse {
-        plan = collapse::collapse(plan, voxel, &options.sah);
+        plan = collapse::collapse(plan, voxel, &options.sah, options.byte_weight);
     }
     Ok(plan)
 }

@@ -211,6 +211,7 @@ fn put_options(options: &BuildOptions) -> Vec<u8> {
         clipping,
         options.two_byte_leaves.into(),
         options.collapse.into(),
+        options.byte_weight.to_bits(),
         options.hoisting.is_some().into(),
     ];
     if let Some(hoisting) = &options.hoisting {
@@ -237,8 +238,20 @@ fn get_options(block: &[u8]) -> Option<BuildOptions> {
     let mut options = BuildOptions::from(Preset::from_name(std::str::from_utf8(name).ok()?)?);
     let (words, []) = numbers.as_chunks::<4>() else { return None };
     let words: Vec<u32> = words.iter().map(|&word| u32::from_le_bytes(word)).collect();
-    let (&[traversal, intersection, empty_bonus, leaf_at_most, clipping, two_byte, collapse, hoists], rest) =
-        words.split_first_chunk::<8>()?;
+    let (
+        &[
+            traversal,
+            intersection,
+            empty_bonus,
+            leaf_at_most,
+            clipping,
+            two_byte,
+            collapse,
+            byte_weight,
+            hoists,
+        ],
+        rest,
+    ) = words.split_first_chunk::<9>()?;
     let choose = |word: u32| (word <= 1).then_some(word == 1);
     options.sah.traversal = f32::from_bits(traversal);
     options.sah.intersection = f32::from_bits(intersection);
@@ -251,6 +264,7 @@ fn get_options(block: &[u8]) -> Option<BuildOptions> {
     };
     options.two_byte_leaves = choose(two_byte)?;
     options.collapse = choose(collapse)?;
+    options.byte_weight = f32::from_bits(byte_weight);
     options.hoisting = match (choose(hoists)?, rest) {
         (false, []) => None,
         (true, &[occupancy, frequency, algorithm, node_area, not_empty, drop_pick]) => {

@@ -10,7 +10,10 @@ pub fn variants() -> Vec<(String, BuildOptions)> {
         let plain = BuildOptions::from(preset);
         let mut collapsed = plain.clone();
         collapsed.collapse = true;
+        let mut pruned = collapsed.clone();
+        pruned.byte_weight = 0.2;
         out.push((format!("{} + collapse", preset.name()), collapsed));
+        out.push((format!("{} + collapse by bytes", preset.name()), pruned));
         if plain.hoisting.is_some() {
             for (label, algorithm) in
                 [("rebuild", HoistAlgorithm::Rebuild), ("predict", HoistAlgorithm::Predict)]
