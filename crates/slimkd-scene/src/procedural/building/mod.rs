@@ -109,7 +109,7 @@ pub(super) fn draw(b: &mut Builder) -> Stage {
     let eye = |storey: f32| STOREY * storey + 1.7;
     let mut lights = vec![sun([-0.42, -0.60, -0.68], [1.0, 0.92, 0.78])];
     for (storey, x) in [(2.0, -14.0), (2.0, -5.0), (4.0, 5.0), (4.0, 14.0)] {
-        lights.push(lamp([x, STOREY * storey + 2.55, 3.4], 3.0, [0.55, 0.54, 0.51]));
+        lights.push(lamp([x, STOREY * storey + 2.1, 3.6], 3.0, [0.52, 0.51, 0.48]));
     }
     Stage {
         cameras: vec![
