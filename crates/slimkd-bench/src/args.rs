@@ -93,6 +93,15 @@ impl Args {
         ensure!(self.size <= 1 << 14, "--size must be at most 16384");
         ensure!(!self.workloads.is_empty(), "--workloads names none");
         ensure!(!self.thread_counts().contains(&0), "--threads must be at least 1");
+        if let Some(path) = &self.json {
+            // Said before hours of measuring, not after.
+            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+            ensure!(
+                folder.is_none_or(|folder| folder.is_dir()) && !path.is_dir(),
+                "--json {} cannot be written there; name a file in a folder that exists",
+                path.display()
+            );
+        }
         self.chosen_presets().map(drop)
     }
 
@@ -158,7 +167,13 @@ mod tests {
 
     #[test]
     fn impossible_figures_are_refused() {
-        for words in ["soup --rounds 0", "soup --size 0", "soup --builds 0", "soup --threads 0"] {
+        for words in [
+            "soup --rounds 0",
+            "soup --size 0",
+            "soup --builds 0",
+            "soup --threads 0",
+            "soup --json no/such/a.json",
+        ] {
             assert!(parse(words).validate().is_err(), "{words}");
         }
         assert!(parse("soup").validate().is_ok());

@@ -3,6 +3,7 @@
 use anyhow::{Context, Result};
 use clap::Parser;
 use slimkd_bench::{alloc::Counting, args::Args, report, run};
+use std::io::{ErrorKind, Write as _};
 use std::process::ExitCode;
 
 #[global_allocator]
@@ -20,10 +21,15 @@ fn main() -> ExitCode {
 
 fn work(args: &Args) -> Result<()> {
     let report = run::run(args, &mut |what| eprintln!("{what}"))?;
+    // The table first: should the file fail, the figures of a long run are not lost.
+    let printed = std::io::stdout().write_all(report::table(&report).as_bytes());
     if let Some(path) = &args.json {
         let text = serde_json::to_string_pretty(&report)?;
         std::fs::write(path, text).with_context(|| format!("{} cannot be written", path.display()))?;
+        eprintln!("all figures are in {}", path.display());
     }
-    print!("{}", report::table(&report));
-    Ok(())
+    match printed {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
 }

@@ -23,7 +23,7 @@ impl Contender for Own {
             name: format!("slimkd-{}", self.options.preset.name()),
             library: "slimkd",
             version: locked_version("slimkd"),
-            settings: "preset as it is; also returns u, v".into(),
+            settings: settings(&self.options),
             sah: format!(
                 "traversal {}, intersection {}, empty bonus {}, leaf at most {}, clipping {:?}",
                 sah.traversal,
@@ -41,6 +41,20 @@ impl Contender for Own {
         let tree = KdTree::build(mesh.clone(), &options).map_err(|error| error.to_string())?;
         Ok(Box::new(tree))
     }
+}
+
+/// What tells the presets apart.
+fn settings(options: &BuildOptions) -> String {
+    let references = match &options.hoisting {
+        Some(hoisting) => format!("T-references at ({}, {})", hoisting.occupancy, hoisting.frequency),
+        None => "no T-references".into(),
+    };
+    let leaves = if options.two_byte_leaves { "2-byte leaves" } else { "4-byte leaves" };
+    let collapse = match (options.collapse, options.byte_weight) {
+        (false, _) => "no collapse".into(),
+        (true, weight) => format!("collapse at byte weight {weight}"),
+    };
+    format!("{references}, {leaves}, {collapse}; also returns u, v")
 }
 
 impl Traced for KdTree {

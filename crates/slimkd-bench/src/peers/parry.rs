@@ -54,7 +54,7 @@ impl Traced for Built {
     }
 
     fn bytes(&self, _counted: u64) -> Bytes {
-        let mesh = self.0.vertices().len() * size_of::<Vector>() + self.0.indices().len() * 12;
+        let mesh = size_of_val(self.0.vertices()) + size_of_val(self.0.indices());
         Bytes {
             structure: self.0.bvh().total_memory_size() as u64,
             copies: 0,

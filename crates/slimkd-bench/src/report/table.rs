@@ -3,7 +3,7 @@
 use super::{ContenderReport, Measurement, Report};
 use crate::agree::MARKED_SHARE;
 use crate::median::median;
-use crate::peers::EMBREE;
+use crate::peers::{EMBREE, STANDARD};
 use std::fmt::Write as _;
 
 /// Columns of text, the first to the left and the rest to the right, as wide as they must be.
@@ -47,6 +47,10 @@ pub fn table(report: &Report) -> String {
     for &threads in &report.settings.threads {
         rates(report, threads, &mut out);
     }
+    let _ = writeln!(
+        out,
+        "x std: times as fast as {STANDARD}; x emb: as {EMBREE}; medians of the rounds' ratios\n"
+    );
     for contender in &report.contenders {
         let ContenderReport { name, library, version, settings, sah, .. } = contender;
         let _ = writeln!(out, "{name}: {library} {version}; {settings}. SAH: {sah}.");
@@ -70,11 +74,13 @@ fn head(report: &Report, out: &mut String) {
         machine.parallelism,
         if machine.compiled_for.is_empty() { "the baseline".into() } else { machine.compiled_for.join(" ") },
     );
+    let [from, to] = [settings.view.eye, settings.view.target].map(|p| format!("{},{},{}", p[0], p[1], p[2]));
+    let _ = writeln!(out, "camera: --camera {from},{to},{}", settings.view.fov);
     for workload in &report.workloads {
         let share = 100.0 * workload.hits as f64 / workload.rays.max(1) as f64;
         let _ = writeln!(
             out,
-            "{}: {} rays, {} hit, {share:.1} % hits",
+            "{}: {} rays, {} hit asked, {share:.1} % hit",
             workload.name, workload.rays, workload.kind
         );
     }
@@ -82,13 +88,22 @@ fn head(report: &Report, out: &mut String) {
         let _ =
             writeln!(out, "A SMOKE RUN (few rounds or debug assertions): its figures are not to be quoted.");
     }
+    let has = |list: &[String]| list.iter().any(|feature| feature == "avx2");
+    if has(&machine.detected) && !has(&machine.compiled_for) {
+        let _ = writeln!(
+            out,
+            "The peers in Rust are compiled without AVX2, which this processor has: build with \
+             RUSTFLAGS=\"-C target-cpu=native\" before quoting them."
+        );
+    }
     out.push('\n');
 }
 
 fn contenders(report: &Report, out: &mut String) {
     let threads = &report.settings.threads;
     let builds: Vec<String> = threads.iter().map(|n| format!("build s, {n} thr")).collect();
-    let mut titles = vec!["size and build", "tree B/tri", "copies", "mesh read", "resident", "source"];
+    let mut titles =
+        vec!["bytes a triangle", "structure", "+ copies", "= tree", "+ mesh read", "= resident", "source"];
     titles.extend(builds.iter().map(String::as_str));
     let mut grid = Grid::new(&titles);
     for contender in &report.contenders {
@@ -96,8 +111,9 @@ fn contenders(report: &Report, out: &mut String) {
         let each = |bytes: u64| figure(Some(bytes as f64 / report.scene.triangles.max(1) as f64));
         let mut row = vec![
             contender.name.clone(),
-            each(bytes.tree),
+            each(bytes.structure),
             each(bytes.copies),
+            each(bytes.tree),
             each(bytes.mesh_read),
             each(bytes.resident),
             bytes.source.clone(),
@@ -138,7 +154,7 @@ fn agreement(report: &Report, out: &mut String) {
     }
     let identical: Vec<&str> =
         report.contenders.iter().filter(|c| c.identical == Some(true)).map(|c| c.name.as_str()).collect();
-    let _ = writeln!(out, "bit-identical hits: {}", identical.join(", "));
+    let _ = writeln!(out, "hits bit-identical to those of {STANDARD}: {}", identical.join(", "));
     if report.contenders.iter().any(|c| c.marked) {
         let _ = writeln!(out, "! wrong in more than {MARKED_SHARE:e} of some workload's rays");
     }

@@ -21,7 +21,7 @@ pub enum Variant {
     High,
     /// Compressed nodes, indexed leaves.
     Compact,
-    /// Watertight tests, indexed leaves.
+    /// Watertight tests.
     Robust,
 }
 
@@ -47,9 +47,10 @@ impl Variant {
         }
     }
 
-    /// Leaves of these two hold indices instead of corners.
+    /// Leaves of this one hold indices (Triangle4i); those of the others hold corners (Triangle4, and with ROBUST
+    /// Triangle4v), as `Scene::createTriangleAccel` in Embree's kernels/common/scene.cpp chooses.
     fn reads_mesh(self) -> bool {
-        matches!(self, Self::Compact | Self::Robust)
+        self == Self::Compact
     }
 }
 
