@@ -14,6 +14,7 @@ mod output;
 mod ply;
 mod rays;
 mod report;
+mod savings;
 mod scenes;
 mod trees;
 mod ui;

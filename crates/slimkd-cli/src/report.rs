@@ -1,9 +1,10 @@
 //! What `build` and `inspect` say about a tree, for scripts and for people.
 
+use crate::savings::Savings;
 use crate::trees::{Tree, thread_count};
 use crate::ui::{bytes, grouped};
 use serde::Serialize;
-use slimkd::{MemoryReport, TreeStatistics};
+use slimkd::{BuildOptions, HoistAlgorithm, MemoryReport, TreeStatistics};
 use std::fmt::Write;
 use std::num::NonZeroUsize;
 
@@ -25,6 +26,8 @@ pub(crate) struct Report {
     max_depth: u32,
     sah_cost: f64,
     seconds: Seconds,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    savings: Option<Savings>,
 }
 
 #[derive(Debug, Serialize)]
@@ -139,7 +142,13 @@ impl Report {
             max_depth,
             sah_cost,
             seconds: Seconds { load: tree.load_seconds, build: tree.cost.map(|cost| cost.seconds) },
+            savings: None,
         }
+    }
+
+    /// The report with what makes the tree small.
+    pub(crate) fn with_savings(self, savings: Option<Savings>) -> Self {
+        Self { savings, ..self }
     }
 
     /// The report as a table.
@@ -164,6 +173,7 @@ impl Report {
                 self.preset, sah.traversal, sah.intersection, sah.empty_bonus
             ),
         );
+        rows.add("options", choices(tree.tree.options()));
         rows.add(
             "nodes",
             format!(
@@ -209,8 +219,35 @@ impl Report {
             format!(", build {build:.3} s on {} threads ({rate:.0} k triangles/s)", self.threads)
         });
         rows.add("time", format!("load {:.3} s{built}", seconds.load));
-        rows.0
+        rows.finish() + &self.savings.map_or_else(String::new, |savings| savings.table(tree))
     }
+}
+
+/// What a tree was built with, costs aside.
+fn choices(options: &BuildOptions) -> String {
+    let mut out = match &options.hoisting {
+        None => "no hoisting".to_owned(),
+        Some(hoisting) => format!(
+            "hoisting above occupancy {}, frequency {} ({})",
+            hoisting.occupancy,
+            hoisting.frequency,
+            match hoisting.algorithm {
+                HoistAlgorithm::Rebuild => "rebuilt",
+                HoistAlgorithm::Predict => "predicted",
+                _ => "stripped",
+            }
+        ),
+    };
+    out.push_str(match (options.collapse, options.byte_weight > 0.0) {
+        (false, _) => ", no collapse",
+        (true, false) => ", collapse",
+        (true, true) => ", collapse at byte weight ",
+    });
+    if options.collapse && options.byte_weight > 0.0 {
+        let _ = write!(out, "{}", options.byte_weight);
+    }
+    out.push_str(if options.two_byte_leaves { ", 2-byte leaves" } else { ", 4-byte leaves alone" });
+    out
 }
 
 /// Triangles by their number of references and leaves by depth, as the paper's slides show them.
@@ -235,16 +272,23 @@ pub(crate) fn histograms(statistics: &TreeStatistics) -> String {
     out
 }
 
-fn amount(count: u64, per_triangle: f64) -> String {
+/// Bytes, and bytes a triangle.
+pub(crate) fn amount(count: u64, per_triangle: f64) -> String {
     format!("{:>10}  {per_triangle:8.2} B/triangle", bytes(count))
 }
 
 /// Lines of a name and a value.
 #[derive(Default)]
-struct Rows(String);
+pub(crate) struct Rows(String);
 
 impl Rows {
-    fn add(&mut self, name: &str, value: impl std::fmt::Display) {
+    /// Adds a line.
+    pub(crate) fn add(&mut self, name: &str, value: impl std::fmt::Display) {
         let _ = writeln!(self.0, "{name:<18} {value}");
+    }
+
+    /// The lines.
+    pub(crate) fn finish(self) -> String {
+        self.0
     }
 }

@@ -1,5 +1,6 @@
 //! Values of options, parsed and checked.
 
+use slimkd::Clipping;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::str::FromStr;
 
@@ -50,9 +51,35 @@ impl FromStr for Size {
 
 /// A finite number above zero.
 pub(super) fn positive(text: &str) -> Result<f32, String> {
+    number(text, "a number above 0", |number| number > 0.0)
+}
+
+/// A finite number from zero.
+pub(super) fn not_negative(text: &str) -> Result<f32, String> {
+    number(text, "a number of 0 or above", |number| number >= 0.0)
+}
+
+/// A number from zero to one.
+pub(super) fn fraction(text: &str) -> Result<f32, String> {
+    number(text, "a number from 0 to 1", |number| (0.0..=1.0).contains(&number))
+}
+
+fn number(text: &str, expected: &str, fits: impl Fn(f32) -> bool) -> Result<f32, String> {
     match text.parse::<f32>() {
-        Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
-        _ => Err("expected a number above 0".to_owned()),
+        Ok(number) if number.is_finite() && fits(number) => Ok(number),
+        _ => Err(format!("expected {expected}")),
+    }
+}
+
+/// How triangles are bounded.
+pub(super) fn clipping(text: &str) -> Result<Clipping, String> {
+    match text {
+        "exact" => Ok(Clipping::Exact),
+        "box" => Ok(Clipping::Box),
+        number => number
+            .parse()
+            .map(Clipping::ExactFrom)
+            .map_err(|_| format!("expected exact, box, or a number of triangles up to {}", u32::MAX)),
     }
 }
 
@@ -74,5 +101,8 @@ mod tests {
         assert!(["0", "-1", "x", "99999999"].iter().all(|text| threads(text).is_err()));
         assert_eq!(positive("0.8"), Ok(0.8));
         assert!(["0", "-1", "nan", "inf", "x"].iter().all(|text| positive(text).is_err()));
+        assert_eq!((not_negative("0"), fraction("1")), (Ok(0.0), Ok(1.0)));
+        assert!(["-0.1", "inf", ""].iter().all(|text| not_negative(text).is_err()));
+        assert!(["-0.1", "1.01", "nan"].iter().all(|text| fraction(text).is_err()));
     }
 }

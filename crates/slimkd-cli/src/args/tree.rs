@@ -1,9 +1,9 @@
-//! How a tree is built. The one place for options of the build.
+//! How a tree is built: the preset, and whatever is set in place of its own choices.
 
-use super::parse::{positive, threads};
+use super::parse::{clipping, fraction, not_negative, positive, threads};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use slimkd::{BuildOptions, Preset};
+use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Hoisting, Preset};
 use std::num::NonZeroUsize;
 
 /// Everything that shapes one tree.
@@ -19,19 +19,72 @@ pub(crate) struct TreeArgs {
     pub(crate) threads: Option<NonZeroUsize>,
 }
 
-/// Constants that replace the preset's own.
+/// What replaces the preset's own choices.
 #[derive(Clone, Debug, Default, PartialEq, Args)]
 #[command(next_help_heading = "Tree")]
 pub(crate) struct TuningArgs {
-    /// Cost of a traversal step in the surface area heuristic; the preset's unless given
+    #[command(flatten)]
+    sah: SahArgs,
+    #[command(flatten)]
+    hoisting: HoistingArgs,
+    #[command(flatten)]
+    shape: ShapeArgs,
+}
+
+/// Constants of the surface area heuristic.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Args)]
+#[command(next_help_heading = "Tree")]
+struct SahArgs {
+    /// Cost of a traversal step in the surface area heuristic, in any unit; the preset's unless given
     #[arg(long, value_name = "COST", value_parser = positive, allow_negative_numbers = true)]
     sah_traversal: Option<f32>,
-    /// Cost of a triangle test in the surface area heuristic; the preset's unless given
+    /// Cost of a triangle test in the surface area heuristic, in the same unit; the preset's unless given
     #[arg(long, value_name = "COST", value_parser = positive, allow_negative_numbers = true)]
     sah_intersection: Option<f32>,
     /// Factor on the cost of a split with an empty side: 1 is no bonus; the preset's unless given
     #[arg(long, value_name = "FACTOR", value_parser = positive, allow_negative_numbers = true)]
     empty_bonus: Option<f32>,
+}
+
+/// T-references: which triangles move up into inner nodes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Args)]
+#[command(next_help_heading = "Tree")]
+struct HoistingArgs {
+    #[arg(long, value_name = "X", value_parser = fraction, allow_negative_numbers = true, help = occupancy_help())]
+    occupancy: Option<f32>,
+    #[arg(long, value_name = "X", value_parser = fraction, allow_negative_numbers = true, help = frequency_help())]
+    frequency: Option<f32>,
+    /// Hoist by building subtrees anew, the paper's way: slower to build than stripping the finished tree
+    #[arg(long, conflicts_with = "predict")]
+    rebuild: bool,
+    /// Hoist while building, from estimates: faster to build than stripping the finished tree
+    #[arg(long)]
+    predict: bool,
+}
+
+/// Leaves and splits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Args)]
+#[command(next_help_heading = "Tree")]
+struct ShapeArgs {
+    /// Turn subtrees into leaves where the surface area heuristic finds those no dearer
+    #[arg(long)]
+    collapse: bool,
+    /// Collapse for bytes too: halving the tree may cost rays L/2 of their SAH cost. 0 is rays alone
+    #[arg(long, value_name = "L", value_parser = not_negative, allow_negative_numbers = true)]
+    byte_weight: Option<f32>,
+    /// Nodes of at most that many triangles become leaves at once; the preset's unless given
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    leaf_at_most: Option<u32>,
+    /// How triangles across a split are bounded: exactly, by their boxes, or exactly in nodes of N triangles and more;
+    /// the preset's unless given
+    #[arg(long, value_name = "exact|box|N", value_parser = clipping, allow_negative_numbers = true)]
+    clipping: Option<Clipping>,
+    /// Let leaves hold 2-byte references
+    #[arg(long, overrides_with = "no_two_byte")]
+    two_byte: bool,
+    /// Make all references of leaves 4 bytes
+    #[arg(long, overrides_with = "two_byte")]
+    no_two_byte: bool,
 }
 
 impl TreeArgs {
@@ -47,16 +100,67 @@ impl TreeArgs {
 }
 
 impl TuningArgs {
-    /// The options of a preset with these constants in place of its own.
+    /// The options of a preset with these choices in place of its own.
     pub(crate) fn options(&self, preset: Preset, threads: Option<NonZeroUsize>) -> BuildOptions {
         let mut options = BuildOptions::from(preset);
         options.threads = threads;
-        let set = |value: &mut f32, given: Option<f32>| *value = given.unwrap_or(*value);
-        set(&mut options.sah.traversal, self.sah_traversal);
-        set(&mut options.sah.intersection, self.sah_intersection);
-        set(&mut options.sah.empty_bonus, self.empty_bonus);
+        let Self { sah, hoisting, shape } = self;
+        set(&mut options.sah.traversal, sah.sah_traversal);
+        set(&mut options.sah.intersection, sah.sah_intersection);
+        set(&mut options.sah.empty_bonus, sah.empty_bonus);
+        hoisting.apply(&mut options.hoisting);
+        set(&mut options.byte_weight, shape.byte_weight);
+        set(&mut options.leaf_at_most, shape.leaf_at_most);
+        set(&mut options.clipping, shape.clipping);
+        options.collapse |= shape.collapse || shape.byte_weight.is_some();
+        options.two_byte_leaves = shape.two_byte || options.two_byte_leaves && !shape.no_two_byte;
         options
     }
+}
+
+impl HoistingArgs {
+    /// Any of these options turns hoisting on where the preset has none.
+    fn apply(&self, hoisting: &mut Option<Hoisting>) {
+        if *self == Self::default() {
+            return;
+        }
+        let hoisting = hoisting.get_or_insert_with(usual_hoisting);
+        set(&mut hoisting.occupancy, self.occupancy);
+        set(&mut hoisting.frequency, self.frequency);
+        match (self.rebuild, self.predict) {
+            (true, _) => hoisting.algorithm = HoistAlgorithm::Rebuild,
+            (_, true) => hoisting.algorithm = HoistAlgorithm::Predict,
+            _ => {}
+        }
+    }
+}
+
+/// What hoists where the preset says nothing.
+fn usual_hoisting() -> Hoisting {
+    BuildOptions::from(Preset::PaperFast).hoisting.unwrap_or_else(|| Hoisting::new(0.9, 0.7))
+}
+
+fn set<T>(value: &mut T, given: Option<T>) {
+    if let Some(given) = given {
+        *value = given;
+    }
+}
+
+fn occupancy_help() -> String {
+    threshold_help(
+        "share of the leaves' surface under a node that the triangle occupies",
+        usual_hoisting().occupancy,
+    )
+}
+
+fn frequency_help() -> String {
+    threshold_help("share of the leaves under a node that hold the triangle", usual_hoisting().frequency)
+}
+
+fn threshold_help(what: &str, usual: f32) -> String {
+    format!(
+        "Least {what} for it to move up there, 0 to 1; the preset's unless given, {usual} where the preset moves none"
+    )
 }
 
 fn preset_help() -> String {
@@ -76,4 +180,75 @@ pub(crate) enum Kind {
     Closest,
     /// Whether there is a hit
     Any,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Debug, Parser)]
+    struct Line {
+        #[command(flatten)]
+        tree: TreeArgs,
+    }
+
+    fn options(line: &str) -> Result<BuildOptions, String> {
+        let words = std::iter::once("tool").chain(line.split_whitespace());
+        Line::try_parse_from(words).map(|line| line.tree.options()).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn nothing_given_is_the_preset() {
+        assert_eq!(options(""), Ok(BuildOptions::default()));
+        for &preset in Preset::ALL {
+            assert_eq!(options(&format!("--preset {}", preset.name())), Ok(preset.into()));
+        }
+    }
+
+    #[test]
+    fn hoisting_is_turned_on_or_bent() {
+        let hoisting = |line: &str| options(line).unwrap().hoisting.unwrap();
+        let usual = BuildOptions::from(Preset::PaperFast).hoisting.unwrap();
+        let standard = hoisting("--preset standard --occupancy 0.3");
+        assert_eq!(standard, Hoisting::new(0.3, usual.frequency));
+        assert_eq!(hoisting("--preset standard --frequency 0"), Hoisting::new(usual.occupancy, 0.0));
+        assert_eq!(hoisting("--preset paper-small --frequency 1").occupancy, 0.5);
+        assert_eq!(hoisting("--preset standard --rebuild").algorithm, HoistAlgorithm::Rebuild);
+        assert_eq!(hoisting("--preset paper-fast --predict").algorithm, HoistAlgorithm::Predict);
+    }
+
+    #[test]
+    fn leaves_and_splits() {
+        let standard = |line: &str| options(&format!("--preset standard {line}")).unwrap();
+        assert!(standard("--collapse").collapse);
+        let weighed = standard("--byte-weight 0.25 --leaf-at-most 0");
+        assert!(weighed.collapse);
+        assert_eq!((weighed.byte_weight, weighed.leaf_at_most), (0.25, 0));
+        assert!(standard("--two-byte").two_byte_leaves);
+        assert!(!options("--preset paper-fast --no-two-byte").unwrap().two_byte_leaves);
+        assert!(standard("--no-two-byte --two-byte").two_byte_leaves, "the last one counts");
+        assert_eq!(standard("--clipping box").clipping, Clipping::Box);
+        assert_eq!(standard("--clipping exact").clipping, Clipping::Exact);
+        assert_eq!(standard("--clipping 10000").clipping, Clipping::ExactFrom(10_000));
+    }
+
+    #[test]
+    fn what_is_out_of_range_is_refused() {
+        for wrong in [
+            "--occupancy 1.1",
+            "--occupancy -0.1",
+            "--frequency nan",
+            "--byte-weight -1",
+            "--byte-weight inf",
+            "--leaf-at-most -1",
+            "--clipping tight",
+            "--clipping -3",
+            "--rebuild --predict",
+            "--sah-traversal 0",
+            "--empty-bonus -2",
+        ] {
+            assert!(options(wrong).is_err(), "{wrong}");
+        }
+    }
 }

@@ -9,6 +9,7 @@ use clap::Args;
 const EXAMPLES: &str = "\
 Examples:
   slimkd inspect building.ply.zst --preset standard
+  slimkd inspect building.ply.zst --occupancy 0.7 --frequency 0.5 --collapse
   slimkd inspect building.skd --json";
 
 /// Arguments of `slimkd inspect`.

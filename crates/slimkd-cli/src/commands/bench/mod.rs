@@ -19,6 +19,7 @@ Examples:
   slimkd bench building.ply.zst
   slimkd bench sponza.obj --presets standard,paper-small --view 1 --json
   slimkd bench kitchen --triangles 1000000 --threads 4 --frames
+  slimkd bench kitchen --collapse       all presets, each with collapse
 
 Workloads: primary (camera rays, closest hit), shadow (from there to a light, any hit),
 bounce (from there, cosine-distributed, closest hit), random (segments across the scene,
