@@ -49,19 +49,42 @@ enum Piece {
     Inner { axis: u8, split: f32, count: u32, left: Box<Piece>, right: Box<Piece> },
 }
 
-fn flatten(piece: Piece, plan: &mut Plan) {
-    match piece {
-        Piece::Plan(subtree) if plan.nodes.is_empty() => *plan = subtree,
-        Piece::Plan(subtree) => plan.append(&subtree),
-        Piece::Inner { axis, split, count, left, right } => {
-            let at = plan.nodes.len();
-            plan.nodes.push(PlanNode::Inner { axis, split, right: 0 });
-            plan.counts.push(count);
-            flatten(*left, plan);
-            plan.nodes[at] = PlanNode::Inner { axis, split, right: plan.nodes.len() as u32 };
-            flatten(*right, plan);
+/// One plan of all pieces; each piece is freed as soon as it is copied.
+fn flattened(piece: Piece) -> Plan {
+    fn sizes(piece: &Piece) -> [usize; 3] {
+        match piece {
+            Piece::Plan(plan) => [plan.nodes.len(), plan.references.len(), plan.counts.len()],
+            Piece::Inner { left, right, .. } => {
+                let (left, right) = (sizes(left), sizes(right));
+                std::array::from_fn(|i| left[i] + right[i] + usize::from(i != 1))
+            }
         }
     }
+    fn append(piece: Piece, plan: &mut Plan) {
+        match piece {
+            Piece::Plan(subtree) => plan.append(&subtree),
+            Piece::Inner { axis, split, count, left, right } => {
+                let at = plan.nodes.len();
+                plan.nodes.push(PlanNode::Inner { axis, split, right: 0 });
+                plan.counts.push(count);
+                append(*left, plan);
+                plan.nodes[at] = PlanNode::Inner { axis, split, right: plan.nodes.len() as u32 };
+                append(*right, plan);
+            }
+        }
+    }
+    if let Piece::Plan(plan) = piece {
+        return plan;
+    }
+    let [nodes, references, counts] = sizes(&piece);
+    let mut plan = Plan {
+        nodes: Vec::with_capacity(nodes),
+        references: Vec::with_capacity(references),
+        counts: Vec::with_capacity(counts),
+        hoisted: Vec::new(),
+    };
+    append(piece, &mut plan);
+    plan
 }
 
 impl<'a> Builder<'a> {
@@ -96,9 +119,8 @@ impl<'a> Builder<'a> {
         self.progress.advance(SORT_SHARE * weight);
         let weight = (1.0 - SORT_SHARE) * weight;
         let piece = self.fork(Task { lists: [x, y, z], voxel, count: triangles.len() as u32, weight }, 0)?;
-        let mut plan = Plan::default();
-        flatten(piece, &mut plan);
-        Ok(plan)
+        self.scratch.lock().expect("no worker panics").clear();
+        Ok(flattened(piece))
     }
 
     /// The standard tree over what `voxel` holds of `triangles`, on this thread alone.
@@ -140,6 +162,7 @@ impl<'a> Builder<'a> {
             let right_end = split_list(list, 0, axis, &mut scratch);
             left_lists[axis] = list[right_end..].to_vec();
             list.truncate(right_end);
+            list.shrink_to_fit();
         }
         self.scratch.lock().expect("no worker panics").push(scratch);
         let (left_voxel, right_voxel) = task.voxel.split(split.axis, split.position);
@@ -266,6 +289,9 @@ impl<'a> Builder<'a> {
             });
         }
         self.progress.advance(done);
+        plan.nodes.shrink_to_fit();
+        plan.references.shrink_to_fit();
+        plan.counts.shrink_to_fit();
         Ok(plan)
     }
 }

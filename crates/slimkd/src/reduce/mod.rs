@@ -29,6 +29,7 @@ pub(crate) fn reduce(
             HoistAlgorithm::Rebuild => rebuild::hoist(plan, voxel, hoisting, builder)?,
         };
     }
+    plan.counts = Vec::new(); // only stripping needs them
     if options.collapse {
         plan = collapse::collapse(plan, voxel, &options.sah, options.byte_weight);
     }

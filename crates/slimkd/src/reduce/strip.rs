@@ -13,14 +13,14 @@ use crate::geometry::Aabb;
 
 /// Hoists at most one triangle a node, top-down.
 pub(crate) fn hoist(
-    plan: Plan,
+    mut plan: Plan,
     voxel: Aabb,
     hoisting: &Hoisting,
     options: &BuildOptions,
 ) -> Result<Plan, BuildError> {
     let triangles = plan.references.iter().max().map_or(0, |&id| id as usize + 1);
     let mut pass = Pass {
-        counts: plan.counts.clone(),
+        counts: std::mem::take(&mut plan.counts),
         most: most_leaves_of_one(&plan, triangles),
         leaves: vec![0; plan.nodes.len()],
         work: Work::new(plan, &voxel),
@@ -39,7 +39,8 @@ pub(crate) fn hoist(
             }
         }
     }
-    Ok(pass.work.into_plan())
+    let Pass { work, .. } = pass; // the rest is freed before the result takes its room
+    Ok(work.into_plan())
 }
 
 /// Per node, the most leaves of the whole tree that hold one and the same triangle of this subtree: an upper bound

@@ -81,42 +81,60 @@ impl Work {
 
     /// Drops what was cut off. T-references of nodes that are leaves now must not exist.
     pub(crate) fn into_plan(self) -> Plan {
-        let Self { plan, ends, .. } = self;
-        let mut out = Plan::default();
-        let mut hoisted = plan.hoisted.iter().peekable();
+        let Self { plan, ends, areas } = self;
+        drop(areas);
+        let Plan { mut nodes, references: old, hoisted: old_hoisted, .. } = plan;
+        let mut references = Vec::with_capacity(kept_references(&nodes, &ends));
+        let mut hoisted = Vec::with_capacity(old_hoisted.len());
+        let mut old_hoisted = old_hoisted.iter().peekable();
         // Parents whose right child is still to come, innermost last.
         let mut open: Vec<(usize, u32)> = Vec::new();
-        let mut at = 0;
-        while at < plan.nodes.len() {
-            let here = out.nodes.len() as u32;
-            while let Some(&(parent, right)) = open.last() {
-                if right as usize != at {
-                    break;
+        // Nodes only move forward: they are compacted in place.
+        let (mut at, mut here) = (0, 0);
+        while at < nodes.len() {
+            while let Some((parent, _)) = open.pop_if(|&mut (_, right)| right as usize == at) {
+                if let PlanNode::Inner { right, .. } = &mut nodes[parent] {
+                    *right = here as u32;
                 }
-                if let PlanNode::Inner { right, .. } = &mut out.nodes[parent] {
-                    *right = here;
+            }
+            while let Some(&(node, triangle)) = old_hoisted.next_if(|&&(node, _)| node as usize <= at) {
+                if node as usize == at {
+                    hoisted.push((here as u32, triangle));
                 }
-                open.pop();
             }
-            while hoisted.next_if(|&&(node, _)| (node as usize) < at).is_some() {}
-            while let Some(&(_, triangle)) = hoisted.next_if(|&&(node, _)| node as usize == at) {
-                out.hoisted.push((here, triangle));
-            }
-            match plan.nodes[at] {
-                PlanNode::Inner { axis, split, right } => {
-                    open.push((here as usize, right));
-                    out.nodes.push(PlanNode::Inner { axis, split, right });
+            let node = nodes[at];
+            match node {
+                PlanNode::Inner { right, .. } => {
+                    open.push((here, right));
+                    nodes[here] = node;
                     at += 1;
                 }
                 PlanNode::Leaf { first, count } => {
-                    let moved = out.references.len() as u32;
-                    let ids = &plan.references[first as usize..(first + count) as usize];
-                    out.references.extend_from_slice(ids);
-                    out.nodes.push(PlanNode::Leaf { first: moved, count });
+                    let moved = references.len() as u32;
+                    references.extend_from_slice(&old[first as usize..(first + count) as usize]);
+                    nodes[here] = PlanNode::Leaf { first: moved, count };
                     at = ends[at] as usize;
                 }
             }
+            here += 1;
         }
-        out
+        nodes.truncate(here);
+        nodes.shrink_to_fit();
+        Plan { nodes, references, counts: Vec::new(), hoisted }
     }
+}
+
+/// References in the leaves that were not cut off.
+fn kept_references(nodes: &[PlanNode], ends: &[u32]) -> usize {
+    let (mut at, mut total) = (0, 0);
+    while at < nodes.len() {
+        at = match nodes[at] {
+            PlanNode::Inner { .. } => at + 1,
+            PlanNode::Leaf { count, .. } => {
+                total += count as usize;
+                ends[at] as usize
+            }
+        };
+    }
+    total
 }
