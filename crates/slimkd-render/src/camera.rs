@@ -30,9 +30,21 @@ pub(crate) const MAX_FOV: f32 = 179.0;
 /// Smallest sine between view and up.
 const MIN_SINE: f64 = 1e-5;
 
-/// A camera made ready: an orthonormal frame, scaled to the picture.
+/// A camera made ready: an orthonormal frame, scaled to the picture. For whoever traces a picture's primary rays without
+/// rendering it.
+///
+/// ```
+/// use glam::{Vec2, Vec3};
+/// use slimkd_render::PinholeFrame;
+/// use slimkd_scene::Camera;
+///
+/// let camera = Camera { eye: Vec3::ZERO, target: Vec3::NEG_Z, up: Vec3::Y, fov: 90.0 };
+/// let frame = PinholeFrame::new(&camera, 16.0 / 9.0)?;
+/// assert_eq!(frame.ray(Vec2::splat(0.5)).direction, [0.0, 0.0, -1.0]);
+/// # Ok::<(), slimkd_render::CameraError>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PinholeFrame {
+pub struct PinholeFrame {
     eye: Vec3,
     forward: DVec3,
     /// Half the picture's width and height at distance 1.
@@ -42,7 +54,7 @@ pub(crate) struct PinholeFrame {
 
 impl PinholeFrame {
     /// Checks the camera; `aspect` is width over height.
-    pub(crate) fn new(camera: &Camera, aspect: f64) -> Result<Self, CameraError> {
+    pub fn new(camera: &Camera, aspect: f64) -> Result<Self, CameraError> {
         let finite = camera.eye.is_finite() && camera.target.is_finite() && camera.up.is_finite();
         if !finite || !camera.fov.is_finite() {
             return Err(CameraError::NotFinite);
@@ -63,8 +75,8 @@ impl PinholeFrame {
         Ok(Self { eye: camera.eye, forward, right: right * (half_height * aspect), up })
     }
 
-    /// The ray through `point` on the picture: (0, 0) the upper left corner, (1, 1) the lower right one.
-    pub(crate) fn ray(&self, point: Vec2) -> Ray {
+    /// The ray through `point` on the picture, of unit direction: (0, 0) is the upper left corner, (1, 1) the lower right.
+    pub fn ray(&self, point: Vec2) -> Ray {
         let (x, y) = (f64::from(point.x) * 2.0 - 1.0, 1.0 - f64::from(point.y) * 2.0);
         let direction = (self.forward + self.right * x + self.up * y).normalize();
         Ray::new(self.eye, direction.as_vec3())

@@ -33,7 +33,7 @@ mod tile;
 mod tone;
 pub mod views;
 
-pub use camera::CameraError;
+pub use camera::{CameraError, PinholeFrame};
 pub use film::{BitDepth, Film, FilmError};
 pub use fresnel::{dielectric_reflectance, refract};
 pub use lights::default_lights;

@@ -179,14 +179,12 @@ impl Shader<'_> {
             Light::Directional { .. } => Ray::new(origin, towards).with_range(0.0, distance),
             Light::Point { position, .. } => Ray::new(origin, *position - origin).with_range(0.0, 1.0 - 1e-4),
         };
-        rays.shadow += 1;
-        if !self.tree.any_hit(&ray) {
-            return 1.0;
-        }
-        let mut visible = 1.0;
         if !self.transparent {
-            return 0.0;
+            rays.shadow += 1;
+            return if self.tree.any_hit(&ray) { 0.0 } else { 1.0 };
         }
+        // Asking for any hit first would save nothing: what blocks must be known, and a free way costs the same.
+        let mut visible = 1.0;
         for _ in 0..MAX_TRANSPARENT {
             rays.shadow += 1;
             let Some(hit) = self.tree.closest_hit(&ray) else { return visible };
