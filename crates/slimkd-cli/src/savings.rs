@@ -59,15 +59,15 @@ impl Savings {
         let triangles = tree.statistics.triangles.max(1) as f64;
         let whole = self.baseline.max(1) as f64;
         let mut rows = Rows::default();
-        rows.add("standard tree", amount(self.baseline, self.baseline as f64 / triangles));
+        rows.add("standard-style", amount(self.baseline, self.baseline as f64 / triangles));
         for (step, saved) in
             [("hoisting", self.hoisting), ("collapse", self.collapse), ("2-byte leaves", self.two_byte)]
         {
-            let sign = if saved < 0 { "+" } else { "-" };
+            let sign = if saved < 0 { '+' } else { '-' };
             let size = saved.unsigned_abs();
             let share = 100.0 * size as f64 / whole;
             let amount = amount(size, size as f64 / triangles);
-            rows.add(&format!("{sign} {step}"), format!("{amount}  {sign}{share:.1} %"));
+            rows.add(&format!("{sign} {step}"), format!("{amount}  {share:>5.1} % of it"));
         }
         rows.finish()
     }

@@ -5,9 +5,9 @@
 //! tile neighbouring rays stay together, as in a renderer.
 
 use crate::cameras::View;
-use glam::{DVec3, Vec3};
+use glam::{UVec2, Vec3};
 use slimkd::{Aabb, Hit, KdTree, Ray, TriangleMesh};
-use slimkd_render::default_lights;
+use slimkd_render::{CameraError, PinholeFrame, default_lights};
 use slimkd_scene::{Camera, Light, Scene};
 
 /// Edge of the picture that primary rays belong to, pixels.
@@ -32,8 +32,9 @@ pub(crate) struct Workload {
 }
 
 /// The first `count` camera rays; fewer when the views' pictures have fewer pixels.
-pub(crate) fn primary(views: &[View], count: usize) -> Vec<Ray> {
-    let frames: Vec<_> = views.iter().map(|view| Frame::new(&view.camera)).collect();
+pub(crate) fn primary(views: &[View], count: usize) -> Result<Vec<Ray>, CameraError> {
+    let frames: Vec<_> =
+        views.iter().map(|view| PinholeFrame::new(&view.camera, 1.0)).collect::<Result<_, _>>()?;
     let tiles_across = PICTURE / TILE;
     let tiles = (tiles_across * tiles_across) as usize * frames.len();
     let mut rays = Vec::with_capacity(count.min(tiles * TILE_RAYS));
@@ -44,13 +45,14 @@ pub(crate) fn primary(views: &[View], count: usize) -> Vec<Ray> {
         let (tile_x, tile_y) = deinterleave(place);
         for pixel in 0..TILE * TILE {
             if rays.len() == count {
-                return rays;
+                return Ok(rays);
             }
             let (x, y) = deinterleave(pixel);
-            rays.push(frame.ray(tile_x * TILE + x, tile_y * TILE + y));
+            let pixel = UVec2::new(tile_x * TILE + x, tile_y * TILE + y).as_vec2();
+            rays.push(frame.ray((pixel + 0.5) / PICTURE as f32));
         }
     }
-    rays
+    Ok(rays)
 }
 
 /// All workloads over these primary rays; `tree` tells where they end.
@@ -78,29 +80,6 @@ pub(crate) fn all(
         Workload { name: "bounce", any: false, rays: bounce },
         Workload { name: "random", any: false, rays: segments },
     ]
-}
-
-/// A camera made ready for square pictures.
-struct Frame {
-    eye: Vec3,
-    forward: DVec3,
-    right: DVec3,
-    up: DVec3,
-}
-
-impl Frame {
-    fn new(camera: &Camera) -> Self {
-        let forward = (camera.target.as_dvec3() - camera.eye.as_dvec3()).normalize_or_zero();
-        let right = forward.cross(camera.up.as_dvec3()).normalize_or(forward.any_orthonormal_vector());
-        let half = (f64::from(camera.fov).to_radians() / 2.0).tan();
-        Self { eye: camera.eye, forward, right: right * half, up: right.cross(forward) * half }
-    }
-
-    fn ray(&self, x: u32, y: u32) -> Ray {
-        let place = |pixel: u32| (2.0 * f64::from(pixel) + 1.0) / f64::from(PICTURE) - 1.0;
-        let direction = self.forward + self.right * place(x) - self.up * place(y);
-        Ray::new(self.eye, direction.normalize_or_zero().as_vec3())
-    }
 }
 
 /// The even bits and the odd bits.
@@ -186,7 +165,7 @@ mod tests {
 
     #[test]
     fn every_pixel_once() {
-        let rays = primary(&[view(1)], usize::MAX);
+        let rays = primary(&[view(1)], usize::MAX).unwrap();
         assert_eq!(rays.len(), 1024 * 1024);
         let mut directions: Vec<_> = rays.iter().map(|ray| ray.direction.map(f32::to_bits)).collect();
         directions.sort_unstable();
@@ -197,13 +176,15 @@ mod tests {
     #[test]
     fn a_beginning_is_a_fair_sample() {
         let views = [view(1), view(2), view(3)];
-        let rays = primary(&views, 3 * 64 * TILE_RAYS);
+        let rays = primary(&views, 3 * 64 * TILE_RAYS).unwrap();
         for view in &views {
             let mine: Vec<_> = rays.iter().filter(|ray| ray.origin == view.camera.eye.to_array()).collect();
             assert_eq!(mine.len(), 64 * TILE_RAYS);
-            let frame = Frame::new(&view.camera);
-            let right = |ray: &Ray| Vec3::from(ray.direction).as_dvec3().dot(frame.right) > 0.0;
-            let above = |ray: &Ray| Vec3::from(ray.direction).as_dvec3().dot(frame.up) > 0.0;
+            let forward = view.camera.target - view.camera.eye;
+            let rightwards = forward.cross(view.camera.up);
+            let upwards = rightwards.cross(forward);
+            let right = |ray: &Ray| Vec3::from(ray.direction).dot(rightwards) > 0.0;
+            let above = |ray: &Ray| Vec3::from(ray.direction).dot(upwards) > 0.0;
             for (side, height) in [(false, false), (false, true), (true, false), (true, true)] {
                 let quarter = mine.iter().filter(|ray| right(ray) == side && above(ray) == height).count();
                 assert_eq!(quarter, 16 * TILE_RAYS);

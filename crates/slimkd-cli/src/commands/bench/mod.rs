@@ -44,7 +44,7 @@ pub(crate) struct BenchArgs {
     /// Rays of a workload; as many as take about a minute in all unless given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_RAYS as i64))]
     rays: Option<u32>,
-    /// Measure whole pictures too: 1024 x 1024 pixels, one sample each
+    /// Measure whole pictures too: 1024 x 1024 pixels, Whitted's rays from one sample each, no ambient occlusion
     #[arg(long)]
     frames: bool,
     /// Print one JSON object

@@ -55,7 +55,10 @@ impl Report {
         for frame in self.frames.iter().flatten() {
             if frame.view != view {
                 (view, base) = (frame.view, frame.frames_per_s);
-                let _ = writeln!(out, "pictures of view {view}");
+                let _ = writeln!(
+                    out,
+                    "pictures of view {view} (1024 x 1024, 1 sample a pixel, no ambient occlusion)"
+                );
             }
             let (rate, preset) = (frame.frames_per_s, frame.preset);
             let _ = writeln!(out, "  {preset:<12} {rate:>9.3} frames/s {:>6.3} x", rate / base);

@@ -93,7 +93,8 @@ impl Bench<'_> {
         let tree = self.trees[0].1;
         let mut answers = Answers::default();
         let most = self.rays.unwrap_or(MOST_RAYS);
-        let mut primary = workloads::primary(&self.views, most);
+        let mut primary = workloads::primary(&self.views, most)
+            .map_err(|error| Failure::work(format_args!("{}: {error} (--camera, --up)", self.scene.name)))?;
         let count = self.affordable(&primary, false)?;
         primary.truncate(count);
         answers.trace(&self.pool, tree, &primary, false)?;
@@ -166,7 +167,7 @@ impl Bench<'_> {
 
     fn picture(&self, tree: &KdTree, view: &View) -> Result<Film, Failure> {
         let mut settings = RenderSettings::sized(FRAME, FRAME);
-        // Whitted's rays alone.
+        // The paper's rays alone: Whitted's, one sample a pixel.
         settings.samples = 1;
         settings.occlusion = 0;
         let progress = RenderProgress::new();
