@@ -93,8 +93,7 @@ impl Sheared {
     }
 
     /// Decides in f64 and finds t, u, v.
-    #[cold]
-    #[inline(never)]
+    #[inline(always)]
     pub(crate) fn finish(&self, depth: f64) -> Option<Intersection> {
         let ([ax, bx, cx], [ay, by, cy]) = (self.x.map(f64::from), self.y.map(f64::from));
         let u = cx * by - cy * bx;

@@ -62,8 +62,9 @@ impl PreparedRay {
         let slack = SLACK * reach;
         let (mut inverse, mut widths, mut near) = ([0.0; 3], [0.0; 3], [0; 3]);
         let (mut enter, mut exit) = (ray.t_min * scale, ray.t_max * scale);
+        let unscale = reciprocal(scale);
         for k in 0..3 {
-            let d = ray.direction[k] / scale;
+            let d = ray.direction[k] * unscale;
             let d = if d.abs() < PARALLEL { PARALLEL.copysign(d) } else { d };
             inverse[k] = 1.0 / d;
             widths[k] = slack * inverse[k].abs();
@@ -121,4 +122,25 @@ pub(crate) fn smaller(a: f32, b: f32) -> f32 {
 #[inline]
 fn power_of_two_below(x: f32) -> f32 {
     f32::from_bits((x.to_bits() & 0x7f80_0000).max(f32::MIN_POSITIVE.to_bits()))
+}
+
+/// Exact reciprocal of a power of two between 2⁻¹²⁶ and 2¹²⁷ (the last one's is subnormal, and still exact).
+#[inline]
+fn reciprocal(power: f32) -> f32 {
+    if power >= 2.0f32.powi(127) { 2.0f32.powi(-127) } else { f32::from_bits((254 << 23) - power.to_bits()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_of_two_are_exact() {
+        for x in [1.0f32, 1.5, 3.0, 1e-30, 1e30, f32::MIN_POSITIVE, f32::MAX, 2.0f32.powi(127)] {
+            let power = power_of_two_below(x);
+            assert!(power <= x && x / power < 2.0, "{x}");
+            assert_eq!(power * reciprocal(power), 1.0, "{x}");
+        }
+        assert_eq!(power_of_two_below(1e-40), f32::MIN_POSITIVE);
+    }
 }

@@ -8,6 +8,9 @@
 //! 2. T-references (Choi et al. 2013): tested as soon as their node is visited, over the ray's whole interval. Such a
 //!    hit is never rejected for lying outside the voxel.
 //! 3. The stack's size comes from the built depth: on the machine's stack up to [`SMALL_DEPTH`], on the heap beyond.
+//!
+//! Tried and left: leaf tests four triangles at a time by SSE2 gathers from the bare mesh (5–12 % slower: the shuffles
+//! eat what the lanes gain), projecting a candidate's corners again instead of keeping them (25 % slower).
 
 use super::prepared::{PreparedRay, larger, smaller};
 use super::sink::Sink;
