@@ -80,7 +80,7 @@ pub fn compare(mesh: &TriangleMesh, trees: &[(String, KdTree)]) -> Outcome {
         left -= rays.len();
         let groups = rays.par_chunks(GROUP).enumerate().map(|(group, rays)| {
             let answers = sieve.all_hits(rays).into_iter().zip(rays).enumerate().map(|(i, (all, ray))| {
-                let whole = (group * GROUP + i) % CROSS_CHECK == 0;
+                let whole = (group * GROUP + i).is_multiple_of(CROSS_CHECK);
                 one(whole.then_some(&oracle), &all, trees, ray)
             });
             answers.fold(Outcome::default(), Outcome::and)
