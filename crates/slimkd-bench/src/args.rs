@@ -43,7 +43,7 @@ pub struct Args {
     /// Builds of each structure at each thread count
     #[arg(long, default_value_t = 1)]
     pub builds: usize,
-    /// Camera: ex,ey,ez,tx,ty,tz[,fov], the vertical field of view in degrees
+    /// Camera: `ex,ey,ez,tx,ty,tz[,fov]`, the vertical field of view in degrees
     #[arg(long, allow_hyphen_values = true)]
     pub camera: Option<String>,
     /// Which of the scene's views
