@@ -23,7 +23,7 @@ use std::sync::Mutex;
 const SEQUENTIAL_BELOW: u32 = 8192;
 /// Fork and join at most this deep, so that a scene that cuts off triangles one by one cannot use up the stack.
 const PARALLEL_DEPTH: u32 = 24;
-/// Share of the progress bar for making and sorting events, measured on scenes of 0.1 to 7 M triangles.
+/// Share of the progress bar for making and sorting events: an estimate, it only paces the bar.
 const SORT_SHARE: f64 = 0.1;
 
 /// Builds standard trees over parts of one mesh; what all workers of a build share.

@@ -57,8 +57,7 @@ impl Shear {
         Self { origin, axes: [x, y, z], slope, depth: f64::from(direction[z]) }
     }
 
-    /// The whole test for one triangle. `Z` must be `axes[2]`: as a constant it turns permuted loads into plain ones
-    /// (a fifth of the instructions of a leaf test).
+    /// The whole test for one triangle. `Z` must be `axes[2]`: as a constant it turns permuted loads into plain ones.
     #[inline(always)]
     pub(crate) fn intersect<const Z: usize>(&self, corners: &[[f32; 3]; 3]) -> Option<Intersection> {
         debug_assert_eq!(Z, self.axes[2]);

@@ -2,8 +2,8 @@
 //!
 //! A [`KdTree`] comes only from the encoder, whose output holds these facts by construction, or from `KdTree::read`, which
 //! proves them (`walk::validate`): every child, T-reference slot and leaf range lies inside its array, and every id names
-//! a triangle. [`TriangleMesh`](crate::TriangleMesh) proves its vertex indices. None of it can change afterwards. The
-//! checks cost 6 % of a ray when they were here (Sponza, bounce rays).
+//! a triangle. [`TriangleMesh`](crate::TriangleMesh) proves its vertex indices. None of it can change afterwards. Leaving
+//! the checks out and making the ray's axis a constant took a sixth off every ray together.
 
 use super::KdTree;
 use super::layout::Packed;
