@@ -155,3 +155,14 @@ pub(super) fn validate(encoded: &Encoded, triangles: usize) -> Result<u32, FileE
     }
     if reached == encoded.nodes.len() { Ok(deepest) } else { damaged("nodes are shared or left over") }
 }
+
+/// Calls `visit` for every triangle id that a leaf or an inner node of a sound tree names.
+pub(super) fn for_each_reference(encoded: &Encoded, mut visit: impl FnMut(u32)) {
+    for_each(encoded, Aabb::EMPTY, |_, node| {
+        if node.is_leaf() {
+            leaf_ids(encoded, node).for_each(&mut visit);
+        } else if node.has_t_reference() {
+            visit(encoded.nodes[node.pointer() as usize + 2].triangle());
+        }
+    });
+}
