@@ -50,5 +50,5 @@ pub mod tree;
 pub use build::{BuildError, BuildOptions, Clipping, Preset, Progress, SahConstants};
 pub use geometry::{Aabb, MeshError, Ray, TriangleMesh};
 pub use reduce::{CountedLeaves, HoistAlgorithm, Hoisting, OccupancyBase, WhenLeafRemains};
-pub use traverse::{BruteForce, Hit};
+pub use traverse::{BruteForce, Hit, InstructionSet};
 pub use tree::{FileError, KdTree, MemoryReport, TreeStatistics};

@@ -6,7 +6,7 @@ use super::{MemoryReport, TreeView, walk};
 use crate::build::{BuildError, BuildOptions, Builder, Progress};
 use crate::geometry::{Aabb, Ray, TriangleMesh};
 use crate::reduce::reduce;
-use crate::traverse::{All, Any, Closest, Hit, PreparedRay, traverse};
+use crate::traverse::{All, Any, Closest, Hit, InstructionSet, PreparedRay, traverse};
 use std::sync::Arc;
 
 /// An SAH kd-tree over a mesh that it shares by [`Arc`]. Immutable, `Send + Sync`: trace from any number of threads.
@@ -33,6 +33,8 @@ pub struct KdTree {
     /// Depth of the deepest leaf; sizes the traversal stack.
     pub(super) depth: u32,
     pub(super) degenerate: u64,
+    /// What batches are traced with; available.
+    pub(super) instruction_set: InstructionSet,
 }
 
 impl KdTree {
@@ -83,7 +85,8 @@ impl KdTree {
         let depth = walk::max_depth(&encoded);
         progress.finish();
         let options = BuildOptions { threads: None, ..options.clone() };
-        Ok(Self { mesh, options, bounds, encoded, depth, degenerate })
+        let instruction_set = InstructionSet::best();
+        Ok(Self { mesh, options, bounds, encoded, depth, degenerate, instruction_set })
     }
 
     /// The nearest hit in `[t_min, t_max]`; equal t goes to the lowest id.
@@ -135,6 +138,17 @@ impl KdTree {
     pub fn any_hits(&self, rays: &[Ray], hits: &mut [bool]) {
         assert_eq!(rays.len(), hits.len(), "one answer slot a ray");
         rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.any_hit(ray));
+    }
+
+    /// What batches are traced with: [`InstructionSet::best`] unless [`KdTree::set_instruction_set`] chose another.
+    pub fn instruction_set(&self) -> InstructionSet {
+        self.instruction_set
+    }
+
+    /// Chooses what batches are traced with; one that is not available becomes the best available one below. The hits
+    /// are the same with all.
+    pub fn set_instruction_set(&mut self, set: InstructionSet) {
+        self.instruction_set = set.or_below();
     }
 
     /// The mesh that the tree was built over.

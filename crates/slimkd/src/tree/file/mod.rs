@@ -31,6 +31,7 @@ mod table;
 use super::encode::Encoded;
 use super::{KdTree, walk};
 use crate::geometry::{MeshError, TriangleMesh};
+use crate::traverse::InstructionSet;
 use bytes::{Section, le_bytes};
 use shape::Shape;
 use std::io::{Read, Write};
@@ -219,7 +220,8 @@ fn read(from: &mut impl Read, given: Option<Arc<TriangleMesh>>) -> Result<KdTree
     shape.check_facts(&mesh, valid.len(), &bounds, depth)?;
     check_references(&encoded, &valid, mesh.len())?;
     let degenerate = (mesh.len() - valid.len()) as u64;
-    Ok(KdTree { mesh, options: build_options, bounds, encoded, depth, degenerate })
+    let instruction_set = InstructionSet::best();
+    Ok(KdTree { mesh, options: build_options, bounds, encoded, depth, degenerate, instruction_set })
 }
 
 /// Proves that the tree names every triangle of `valid` and no other.

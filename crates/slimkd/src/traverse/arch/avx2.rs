@@ -1,0 +1,226 @@
+//! AVX2: 8 lanes, masks as vectors of all ones or zeros.
+
+use super::{Simd, methods, operators};
+use std::arch::x86_64::*;
+
+const WIDTH: usize = 8;
+
+/// Proof of AVX2, BMI1, BMI2, LZCNT and POPCNT.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Avx2(());
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct F32(__m256);
+/// Lower and upper four lanes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct F64(__m256d, __m256d);
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct U32(__m256i);
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Mask(__m256);
+
+impl Avx2 {
+    /// # Safety
+    /// The processor must have AVX2, BMI1, BMI2, LZCNT and POPCNT.
+    #[inline(always)]
+    pub(crate) unsafe fn new() -> Self {
+        Self(())
+    }
+}
+
+operators! {
+    F32 {
+        Add::add = |a, b| F32(_mm256_add_ps(a.0, b.0));
+        Sub::sub = |a, b| F32(_mm256_sub_ps(a.0, b.0));
+        Mul::mul = |a, b| F32(_mm256_mul_ps(a.0, b.0));
+        Div::div = |a, b| F32(_mm256_div_ps(a.0, b.0));
+    }
+    F64 {
+        Add::add = |a, b| F64(_mm256_add_pd(a.0, b.0), _mm256_add_pd(a.1, b.1));
+        Sub::sub = |a, b| F64(_mm256_sub_pd(a.0, b.0), _mm256_sub_pd(a.1, b.1));
+        Mul::mul = |a, b| F64(_mm256_mul_pd(a.0, b.0), _mm256_mul_pd(a.1, b.1));
+        Div::div = |a, b| F64(_mm256_div_pd(a.0, b.0), _mm256_div_pd(a.1, b.1));
+    }
+    U32 {
+        Add::add = |a, b| U32(_mm256_add_epi32(a.0, b.0));
+        Sub::sub = |a, b| U32(_mm256_sub_epi32(a.0, b.0));
+        BitAnd::bitand = |a, b| U32(_mm256_and_si256(a.0, b.0));
+        BitOr::bitor = |a, b| U32(_mm256_or_si256(a.0, b.0));
+        BitXor::bitxor = |a, b| U32(_mm256_xor_si256(a.0, b.0));
+    }
+    Mask {
+        BitAnd::bitand = |a, b| Mask(_mm256_and_ps(a.0, b.0));
+        BitOr::bitor = |a, b| Mask(_mm256_or_ps(a.0, b.0));
+    }
+}
+
+impl std::ops::Shl<u32> for U32 {
+    type Output = Self;
+    #[inline(always)]
+    fn shl(self, by: u32) -> Self {
+        // SAFETY: the vector proves the instructions.
+        unsafe { Self(_mm256_sll_epi32(self.0, _mm_cvtsi32_si128(by as i32))) }
+    }
+}
+
+impl std::ops::Shr<u32> for U32 {
+    type Output = Self;
+    #[inline(always)]
+    fn shr(self, by: u32) -> Self {
+        // SAFETY: the vector proves the instructions.
+        unsafe { Self(_mm256_srl_epi32(self.0, _mm_cvtsi32_si128(by as i32))) }
+    }
+}
+
+impl std::ops::Not for Mask {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        // SAFETY: the vector proves the instructions.
+        unsafe { Self(_mm256_xor_ps(self.0, _mm256_castsi256_ps(_mm256_set1_epi32(-1)))) }
+    }
+}
+
+impl Simd for Avx2 {
+    const WIDTH: usize = WIDTH;
+    type F = F32;
+    type D = F64;
+    type U = U32;
+    type M = Mask;
+
+    methods! {
+        f32s(x: f32) -> F32 = F32(_mm256_set1_ps(x));
+        u32s(x: u32) -> U32 = U32(_mm256_set1_epi32(x as i32));
+        f64s(x: f64) -> F64 = F64(_mm256_set1_pd(x), _mm256_set1_pd(x));
+
+        load(from: &[f32]) -> F32 = F32(_mm256_loadu_ps(from[..WIDTH].as_ptr()));
+        load_u32(from: &[u32]) -> U32 = U32(_mm256_loadu_si256(from[..WIDTH].as_ptr().cast()));
+        store(x: F32, to: &mut [f32]) = _mm256_storeu_ps(to[..WIDTH].as_mut_ptr(), x.0);
+        store_u32(x: U32, to: &mut [u32]) = _mm256_storeu_si256(to[..WIDTH].as_mut_ptr().cast(), x.0);
+
+        larger(a: F32, b: F32) -> F32 = F32(_mm256_max_ps(a.0, b.0));
+        smaller(a: F32, b: F32) -> F32 = F32(_mm256_min_ps(a.0, b.0));
+        abs(x: F32) -> F32 = F32(_mm256_andnot_ps(_mm256_set1_ps(-0.0), x.0));
+
+        lt(a: F32, b: F32) -> Mask = Mask(_mm256_cmp_ps::<_CMP_LT_OQ>(a.0, b.0));
+        le(a: F32, b: F32) -> Mask = Mask(_mm256_cmp_ps::<_CMP_LE_OQ>(a.0, b.0));
+        eq(a: F32, b: F32) -> Mask = Mask(_mm256_cmp_ps::<_CMP_EQ_OQ>(a.0, b.0));
+        lt_f64(a: F64, b: F64) -> Mask = joined(
+            _mm256_cmp_pd::<_CMP_LT_OQ>(a.0, b.0),
+            _mm256_cmp_pd::<_CMP_LT_OQ>(a.1, b.1),
+        );
+        eq_f64(a: F64, b: F64) -> Mask = joined(
+            _mm256_cmp_pd::<_CMP_EQ_OQ>(a.0, b.0),
+            _mm256_cmp_pd::<_CMP_EQ_OQ>(a.1, b.1),
+        );
+        eq_u32(a: U32, b: U32) -> Mask = Mask(_mm256_castsi256_ps(_mm256_cmpeq_epi32(a.0, b.0)));
+        lt_u32(a: U32, b: U32) -> Mask = {
+            // Signed comparison of both sides moved down by 2³¹.
+            let sign = _mm256_set1_epi32(i32::MIN);
+            let (a, b) = (_mm256_xor_si256(a.0, sign), _mm256_xor_si256(b.0, sign));
+            Mask(_mm256_castsi256_ps(_mm256_cmpgt_epi32(b, a)))
+        };
+
+        select(mask: Mask, yes: F32, no: F32) -> F32 = F32(_mm256_blendv_ps(no.0, yes.0, mask.0));
+        select_u32(mask: Mask, yes: U32, no: U32) -> U32 =
+            U32(_mm256_blendv_epi8(no.0, yes.0, _mm256_castps_si256(mask.0)));
+        select_f64(mask: Mask, yes: F64, no: F64) -> F64 = {
+            let mask = _mm256_castps_si256(mask.0);
+            let lower = _mm256_cvtepi32_epi64(_mm256_castsi256_si128(mask));
+            let upper = _mm256_cvtepi32_epi64(_mm256_extracti128_si256::<1>(mask));
+            F64(
+                _mm256_blendv_pd(no.0, yes.0, _mm256_castsi256_pd(lower)),
+                _mm256_blendv_pd(no.1, yes.1, _mm256_castsi256_pd(upper)),
+            )
+        };
+
+        cast_u32(x: F32) -> U32 = U32(_mm256_castps_si256(x.0));
+        cast_f32(x: U32) -> F32 = F32(_mm256_castsi256_ps(x.0));
+        widen(x: F32) -> F64 = F64(
+            _mm256_cvtps_pd(_mm256_castps256_ps128(x.0)),
+            _mm256_cvtps_pd(_mm256_extractf128_ps::<1>(x.0)),
+        );
+        narrow(x: F64) -> F32 = F32(_mm256_set_m128(_mm256_cvtpd_ps(x.1), _mm256_cvtpd_ps(x.0)));
+
+        mask(bits: u32) -> Mask = {
+            let lane = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+            let named = _mm256_and_si256(_mm256_set1_epi32(bits as i32), lane);
+            Mask(_mm256_castsi256_ps(_mm256_cmpeq_epi32(named, lane)))
+        };
+        bits(mask: Mask) -> u32 = _mm256_movemask_ps(mask.0) as u32;
+
+        permute(x: F32, from: U32) -> F32 = F32(_mm256_permutevar8x32_ps(x.0, from.0));
+        permute_u32(x: U32, from: U32) -> U32 = U32(_mm256_permutevar8x32_epi32(x.0, from.0));
+    }
+
+    #[inline(always)]
+    fn compress(self, mask: Mask, x: U32, to: &mut [u32]) -> usize {
+        let to = &mut to[..WIDTH];
+        let bits = self.bits(mask);
+        // SAFETY: the token proves the instructions; the table has an entry for each of 8 bits, `to` has 8 entries.
+        unsafe {
+            let packed = *FRONT.get_unchecked(bits as usize);
+            let from = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(packed as i64));
+            _mm256_storeu_si256(to.as_mut_ptr().cast(), _mm256_permutevar8x32_epi32(x.0, from));
+        }
+        bits.count_ones() as usize
+    }
+
+    #[inline(always)]
+    unsafe fn gather<const SCALE: i32>(self, base: *const u8, index: U32) -> F32 {
+        // SAFETY: the token proves the instructions; the caller vouches for the addresses.
+        unsafe { F32(_mm256_i32gather_ps::<SCALE>(base.cast(), index.0)) }
+    }
+    #[inline(always)]
+    unsafe fn gather_u32<const SCALE: i32>(self, base: *const u8, index: U32) -> U32 {
+        // SAFETY: the token proves the instructions; the caller vouches for the addresses.
+        unsafe { U32(_mm256_i32gather_epi32::<SCALE>(base.cast(), index.0)) }
+    }
+    #[inline(always)]
+    unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, index: U32) -> (U32, U32) {
+        // SAFETY: the token proves the instructions; the caller vouches for the addresses.
+        unsafe {
+            let lower = _mm256_cvtepu32_epi64(_mm256_castsi256_si128(index.0));
+            let upper = _mm256_cvtepu32_epi64(_mm256_extracti128_si256::<1>(index.0));
+            let a = _mm256_castsi256_ps(_mm256_i64gather_epi64::<SCALE>(base.cast(), lower));
+            let b = _mm256_castsi256_ps(_mm256_i64gather_epi64::<SCALE>(base.cast(), upper));
+            // Even and odd words of both: in pairs of lanes first, then the pairs in order.
+            let even = _mm256_castps_pd(_mm256_shuffle_ps::<0b10_00_10_00>(a, b));
+            let odd = _mm256_castps_pd(_mm256_shuffle_ps::<0b11_01_11_01>(a, b));
+            let ordered = |x| U32(_mm256_castpd_si256(_mm256_permute4x64_pd::<0b11_01_10_00>(x)));
+            (ordered(even), ordered(odd))
+        }
+    }
+}
+
+/// Masks of f64 lanes as one of f32 lanes.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+unsafe fn joined(lower: __m256d, upper: __m256d) -> Mask {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let (lower, upper) = (_mm256_castpd_ps(lower), _mm256_castpd_ps(upper));
+        let even = _mm256_castps_pd(_mm256_shuffle_ps::<0b10_00_10_00>(lower, upper));
+        Mask(_mm256_castpd_ps(_mm256_permute4x64_pd::<0b11_01_10_00>(even)))
+    }
+}
+
+/// For each mask, the lanes that it names, one a byte, lowest first.
+static FRONT: [u64; 256] = {
+    let mut table = [0; 256];
+    let mut bits = 0;
+    while bits < 256 {
+        let (mut lane, mut place) = (0, 0);
+        while lane < 8 {
+            if bits >> lane & 1 == 1 {
+                table[bits] |= lane << (8 * place);
+                place += 1;
+            }
+            lane += 1;
+        }
+        bits += 1;
+    }
+    table
+};

@@ -1,0 +1,198 @@
+//! AVX-512 (F, BW, DQ, VL): 16 lanes, masks in registers of their own.
+
+use super::{Simd, methods, operators};
+use std::arch::x86_64::*;
+
+const WIDTH: usize = 16;
+
+/// Proof of AVX-512 F, BW, DQ, VL and AVX2.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Avx512(());
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct F32(__m512);
+/// Lower and upper eight lanes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct F64(__m512d, __m512d);
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct U32(__m512i);
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bits(__mmask16);
+
+impl Avx512 {
+    /// # Safety
+    /// The processor must have AVX-512 F, BW, DQ, VL and AVX2.
+    #[inline(always)]
+    pub(crate) unsafe fn new() -> Self {
+        Self(())
+    }
+}
+
+operators! {
+    F32 {
+        Add::add = |a, b| F32(_mm512_add_ps(a.0, b.0));
+        Sub::sub = |a, b| F32(_mm512_sub_ps(a.0, b.0));
+        Mul::mul = |a, b| F32(_mm512_mul_ps(a.0, b.0));
+        Div::div = |a, b| F32(_mm512_div_ps(a.0, b.0));
+    }
+    F64 {
+        Add::add = |a, b| F64(_mm512_add_pd(a.0, b.0), _mm512_add_pd(a.1, b.1));
+        Sub::sub = |a, b| F64(_mm512_sub_pd(a.0, b.0), _mm512_sub_pd(a.1, b.1));
+        Mul::mul = |a, b| F64(_mm512_mul_pd(a.0, b.0), _mm512_mul_pd(a.1, b.1));
+        Div::div = |a, b| F64(_mm512_div_pd(a.0, b.0), _mm512_div_pd(a.1, b.1));
+    }
+    U32 {
+        Add::add = |a, b| U32(_mm512_add_epi32(a.0, b.0));
+        Sub::sub = |a, b| U32(_mm512_sub_epi32(a.0, b.0));
+        BitAnd::bitand = |a, b| U32(_mm512_and_si512(a.0, b.0));
+        BitOr::bitor = |a, b| U32(_mm512_or_si512(a.0, b.0));
+        BitXor::bitxor = |a, b| U32(_mm512_xor_si512(a.0, b.0));
+    }
+}
+
+impl std::ops::Shl<u32> for U32 {
+    type Output = Self;
+    #[inline(always)]
+    fn shl(self, by: u32) -> Self {
+        // SAFETY: the vector proves the instructions.
+        unsafe { Self(_mm512_sll_epi32(self.0, _mm_cvtsi32_si128(by as i32))) }
+    }
+}
+
+impl std::ops::Shr<u32> for U32 {
+    type Output = Self;
+    #[inline(always)]
+    fn shr(self, by: u32) -> Self {
+        // SAFETY: the vector proves the instructions.
+        unsafe { Self(_mm512_srl_epi32(self.0, _mm_cvtsi32_si128(by as i32))) }
+    }
+}
+
+impl std::ops::BitAnd for Bits {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+impl std::ops::BitOr for Bits {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl std::ops::Not for Bits {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(!self.0)
+    }
+}
+
+impl Simd for Avx512 {
+    const WIDTH: usize = WIDTH;
+    type F = F32;
+    type D = F64;
+    type U = U32;
+    type M = Bits;
+
+    methods! {
+        f32s(x: f32) -> F32 = F32(_mm512_set1_ps(x));
+        u32s(x: u32) -> U32 = U32(_mm512_set1_epi32(x as i32));
+        f64s(x: f64) -> F64 = F64(_mm512_set1_pd(x), _mm512_set1_pd(x));
+
+        load(from: &[f32]) -> F32 = F32(_mm512_loadu_ps(from[..WIDTH].as_ptr()));
+        load_u32(from: &[u32]) -> U32 = U32(_mm512_loadu_si512(from[..WIDTH].as_ptr().cast()));
+        store(x: F32, to: &mut [f32]) = _mm512_storeu_ps(to[..WIDTH].as_mut_ptr(), x.0);
+        store_u32(x: U32, to: &mut [u32]) = _mm512_storeu_si512(to[..WIDTH].as_mut_ptr().cast(), x.0);
+
+        larger(a: F32, b: F32) -> F32 = F32(_mm512_max_ps(a.0, b.0));
+        smaller(a: F32, b: F32) -> F32 = F32(_mm512_min_ps(a.0, b.0));
+        abs(x: F32) -> F32 = F32(_mm512_abs_ps(x.0));
+
+        lt(a: F32, b: F32) -> Bits = Bits(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a.0, b.0));
+        le(a: F32, b: F32) -> Bits = Bits(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(a.0, b.0));
+        eq(a: F32, b: F32) -> Bits = Bits(_mm512_cmp_ps_mask::<_CMP_EQ_OQ>(a.0, b.0));
+        lt_f64(a: F64, b: F64) -> Bits = joined(
+            _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a.0, b.0),
+            _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a.1, b.1),
+        );
+        eq_f64(a: F64, b: F64) -> Bits = joined(
+            _mm512_cmp_pd_mask::<_CMP_EQ_OQ>(a.0, b.0),
+            _mm512_cmp_pd_mask::<_CMP_EQ_OQ>(a.1, b.1),
+        );
+        eq_u32(a: U32, b: U32) -> Bits = Bits(_mm512_cmpeq_epu32_mask(a.0, b.0));
+        lt_u32(a: U32, b: U32) -> Bits = Bits(_mm512_cmplt_epu32_mask(a.0, b.0));
+
+        select(mask: Bits, yes: F32, no: F32) -> F32 = F32(_mm512_mask_blend_ps(mask.0, no.0, yes.0));
+        select_u32(mask: Bits, yes: U32, no: U32) -> U32 = U32(_mm512_mask_blend_epi32(mask.0, no.0, yes.0));
+        select_f64(mask: Bits, yes: F64, no: F64) -> F64 = F64(
+            _mm512_mask_blend_pd(mask.0 as u8, no.0, yes.0),
+            _mm512_mask_blend_pd((mask.0 >> 8) as u8, no.1, yes.1),
+        );
+
+        cast_u32(x: F32) -> U32 = U32(_mm512_castps_si512(x.0));
+        cast_f32(x: U32) -> F32 = F32(_mm512_castsi512_ps(x.0));
+        widen(x: F32) -> F64 = F64(
+            _mm512_cvtps_pd(_mm512_castps512_ps256(x.0)),
+            _mm512_cvtps_pd(_mm512_extractf32x8_ps::<1>(x.0)),
+        );
+        narrow(x: F64) -> F32 = F32(_mm512_insertf32x8::<1>(
+            _mm512_castps256_ps512(_mm512_cvtpd_ps(x.0)),
+            _mm512_cvtpd_ps(x.1),
+        ));
+
+        permute(x: F32, from: U32) -> F32 = F32(_mm512_permutexvar_ps(from.0, x.0));
+        permute_u32(x: U32, from: U32) -> U32 = U32(_mm512_permutexvar_epi32(from.0, x.0));
+    }
+
+    #[inline(always)]
+    fn mask(self, bits: u32) -> Bits {
+        Bits(bits as u16)
+    }
+    #[inline(always)]
+    fn bits(self, mask: Bits) -> u32 {
+        mask.0.into()
+    }
+
+    #[inline(always)]
+    fn compress(self, mask: Bits, x: U32, to: &mut [u32]) -> usize {
+        let to = &mut to[..WIDTH];
+        // Compressed in the register and stored whole: compressing stores take over a hundred cycles on some processors.
+        // SAFETY: the token proves the instructions; `to` has 16 entries.
+        unsafe { _mm512_storeu_si512(to.as_mut_ptr().cast(), _mm512_maskz_compress_epi32(mask.0, x.0)) };
+        mask.0.count_ones() as usize
+    }
+
+    #[inline(always)]
+    unsafe fn gather<const SCALE: i32>(self, base: *const u8, index: U32) -> F32 {
+        // SAFETY: the token proves the instructions; the caller vouches for the addresses.
+        unsafe { F32(_mm512_i32gather_ps::<SCALE>(index.0, base.cast())) }
+    }
+    #[inline(always)]
+    unsafe fn gather_u32<const SCALE: i32>(self, base: *const u8, index: U32) -> U32 {
+        // SAFETY: the token proves the instructions; the caller vouches for the addresses.
+        unsafe { U32(_mm512_i32gather_epi32::<SCALE>(index.0, base.cast())) }
+    }
+    #[inline(always)]
+    unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, index: U32) -> (U32, U32) {
+        // SAFETY: the token proves the instructions; the caller vouches for the addresses.
+        unsafe {
+            let lower = _mm512_cvtepu32_epi64(_mm512_castsi512_si256(index.0));
+            let upper = _mm512_cvtepu32_epi64(_mm512_extracti32x8_epi32::<1>(index.0));
+            let a = _mm512_i64gather_epi64::<SCALE>(lower, base.cast());
+            let b = _mm512_i64gather_epi64::<SCALE>(upper, base.cast());
+            let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+            let odd = _mm512_add_epi32(even, _mm512_set1_epi32(1));
+            (U32(_mm512_permutex2var_epi32(a, even, b)), U32(_mm512_permutex2var_epi32(a, odd, b)))
+        }
+    }
+}
+
+#[inline(always)]
+fn joined(lower: __mmask8, upper: __mmask8) -> Bits {
+    Bits(u16::from(lower) | u16::from(upper) << 8)
+}

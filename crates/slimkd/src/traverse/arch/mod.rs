@@ -1,0 +1,198 @@
+//! SIMD behind one trait: lanes of f32, u32 and f64, their masks, and the choice of the instruction set.
+//!
+//! Source: the shape (a token that proves what the processor can do, vectors that can only be made with it, kernels
+//! that are inlined into one entry function an instruction set) follows Rust's `pulp` and `memchr`.
+//!
+//! 1. A value of a [`Simd`] type exists only where the processor has its instructions: making one is the one `unsafe`
+//!    step, in [`level`]. Every vector comes from a token, so arithmetic on vectors is safe.
+//! 2. Everything is `#[inline(always)]` and ends up inside a function with `#[target_feature]`. A kernel implements
+//!    [`Kernel`] and must keep that chain: whatever it calls with vectors is `#[inline(always)]` too.
+//! 3. Nothing is fused: `a * b + c` rounds twice at every level, so all levels give the same bits. [`Scalar`], plain
+//!    arrays, is the oracle.
+//! 4. Kernels see 16 lanes at every level: AVX2 is [`Twice`] 8 of them, SSE2 and NEON twice twice 4.
+
+#![allow(dead_code, unused_imports)] // each kernel uses its own part
+
+mod level;
+mod scalar;
+#[cfg(test)]
+mod tests;
+mod twice;
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+#[cfg(target_arch = "x86_64")]
+mod sse2;
+
+pub use level::{InstructionSet, UnknownInstructionSet};
+
+pub(crate) use level::Kernel;
+pub(crate) use scalar::Scalar;
+pub(crate) use twice::Twice;
+
+#[cfg(target_arch = "x86_64")]
+pub(crate) use {avx2::Avx2, avx512::Avx512, sse2::Sse2};
+
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Shl, Shr, Sub};
+
+/// Proof that the processor has an instruction set, and its operations on vectors of [`Simd::WIDTH`] lanes.
+///
+/// Masks are a lane's "yes" or "no"; as bits, lane 0 is the lowest.
+pub(crate) trait Simd: Copy + Send + Sync + 'static {
+    /// Lanes, at most 16.
+    const WIDTH: usize;
+
+    /// f32; operations round to nearest, each on its own.
+    type F: Copy
+        + Add<Output = Self::F>
+        + Sub<Output = Self::F>
+        + Mul<Output = Self::F>
+        + Div<Output = Self::F>;
+    /// f64, as many lanes.
+    type D: Copy
+        + Add<Output = Self::D>
+        + Sub<Output = Self::D>
+        + Mul<Output = Self::D>
+        + Div<Output = Self::D>;
+    /// u32; sums and differences wrap, shifts are by less than 32.
+    type U: Copy
+        + Add<Output = Self::U>
+        + Sub<Output = Self::U>
+        + BitAnd<Output = Self::U>
+        + BitOr<Output = Self::U>
+        + BitXor<Output = Self::U>
+        + Shl<u32, Output = Self::U>
+        + Shr<u32, Output = Self::U>;
+    /// Yes or no a lane.
+    type M: Copy + BitAnd<Output = Self::M> + BitOr<Output = Self::M> + Not<Output = Self::M>;
+
+    /// The same f32 in every lane.
+    fn f32s(self, x: f32) -> Self::F;
+    /// The same u32 in every lane.
+    fn u32s(self, x: u32) -> Self::U;
+    /// The same f64 in every lane.
+    fn f64s(self, x: f64) -> Self::D;
+    /// The mask with these bits; higher ones are ignored.
+    fn mask(self, bits: u32) -> Self::M;
+
+    /// The first lanes of a slice. Panics when it is shorter.
+    fn load(self, from: &[f32]) -> Self::F;
+    /// As [`Simd::load`].
+    fn load_u32(self, from: &[u32]) -> Self::U;
+    /// Into the first lanes of a slice. Panics when it is shorter.
+    fn store(self, x: Self::F, to: &mut [f32]);
+    /// As [`Simd::store`].
+    fn store_u32(self, x: Self::U, to: &mut [u32]);
+
+    /// `a` where it is the larger, else `b`: as `prepared::larger`, so a NaN in `a` is passed over.
+    fn larger(self, a: Self::F, b: Self::F) -> Self::F;
+    /// `a` where it is the smaller, else `b`.
+    fn smaller(self, a: Self::F, b: Self::F) -> Self::F;
+    /// Without the sign.
+    fn abs(self, x: Self::F) -> Self::F;
+
+    /// a < b; false with a NaN.
+    fn lt(self, a: Self::F, b: Self::F) -> Self::M;
+    /// a ≤ b; false with a NaN.
+    fn le(self, a: Self::F, b: Self::F) -> Self::M;
+    /// a = b; false with a NaN.
+    fn eq(self, a: Self::F, b: Self::F) -> Self::M;
+    /// a < b; false with a NaN.
+    fn lt_f64(self, a: Self::D, b: Self::D) -> Self::M;
+    /// a = b; false with a NaN.
+    fn eq_f64(self, a: Self::D, b: Self::D) -> Self::M;
+    /// a = b.
+    fn eq_u32(self, a: Self::U, b: Self::U) -> Self::M;
+    /// a < b, unsigned.
+    fn lt_u32(self, a: Self::U, b: Self::U) -> Self::M;
+
+    /// `yes` where the mask says so, else `no`.
+    fn select(self, mask: Self::M, yes: Self::F, no: Self::F) -> Self::F;
+    /// As [`Simd::select`].
+    fn select_u32(self, mask: Self::M, yes: Self::U, no: Self::U) -> Self::U;
+    /// As [`Simd::select`].
+    fn select_f64(self, mask: Self::M, yes: Self::D, no: Self::D) -> Self::D;
+
+    /// The same bits as integers.
+    fn cast_u32(self, x: Self::F) -> Self::U;
+    /// The same bits as f32.
+    fn cast_f32(self, x: Self::U) -> Self::F;
+    /// Exactly.
+    fn widen(self, x: Self::F) -> Self::D;
+    /// Rounded to nearest, as `x as f32`.
+    fn narrow(self, x: Self::D) -> Self::F;
+
+    /// The mask's bits.
+    fn bits(self, mask: Self::M) -> u32;
+    /// Any lane?
+    #[inline(always)]
+    fn any(self, mask: Self::M) -> bool {
+        self.bits(mask) != 0
+    }
+    /// All lanes?
+    #[inline(always)]
+    fn all(self, mask: Self::M) -> bool {
+        self.bits(mask) == (1 << Self::WIDTH) - 1
+    }
+
+    /// Lane `i` of the result is lane `from[i]` of `x`. Indices must be below the width: other ones give any lane.
+    fn permute(self, x: Self::F, from: Self::U) -> Self::F;
+    /// As [`Simd::permute`].
+    fn permute_u32(self, x: Self::U, from: Self::U) -> Self::U;
+
+    /// The lanes that the mask names, packed to the front of `to`; returns how many. What follows them in the first
+    /// `WIDTH` entries is overwritten with anything. Panics when `to` is shorter than that.
+    fn compress(self, mask: Self::M, x: Self::U, to: &mut [u32]) -> usize;
+
+    /// The f32 at `base + index · SCALE` bytes, each lane its own. Any alignment.
+    ///
+    /// # Safety
+    /// Every lane's four bytes must be readable and initialised, masked or not, and every index below 2³¹.
+    unsafe fn gather<const SCALE: i32>(self, base: *const u8, index: Self::U) -> Self::F;
+    /// As [`Simd::gather`], of u32.
+    ///
+    /// # Safety
+    /// As [`Simd::gather`].
+    unsafe fn gather_u32<const SCALE: i32>(self, base: *const u8, index: Self::U) -> Self::U;
+    /// The eight bytes at `base + index · SCALE` as their lower and their upper u32, little-endian. Any alignment.
+    ///
+    /// # Safety
+    /// Every lane's eight bytes must be readable and initialised, masked or not. Indices may have all 32 bits.
+    unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, index: Self::U) -> (Self::U, Self::U);
+}
+
+/// Operators of vectors that are one expression of intrinsics.
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+macro_rules! operators {
+    ($($vector:ident { $($trait:ident::$method:ident = |$a:ident, $b:ident| $body:expr;)* })*) => {
+        $($(
+            impl std::ops::$trait for $vector {
+                type Output = Self;
+                #[inline(always)]
+                fn $method(self, other: Self) -> Self {
+                    let ($a, $b) = (self, other);
+                    // SAFETY: a vector exists only where a token exists, which proves the instructions.
+                    unsafe { $body }
+                }
+            }
+        )*)*
+    };
+}
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+use operators;
+
+/// Methods of tokens that are one expression of intrinsics.
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+macro_rules! methods {
+    ($($name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)? = $body:expr;)*) => {
+        $(#[inline(always)]
+        fn $name(self, $($argument: $type),*) $(-> $result)? {
+            // SAFETY: the token proves the instructions; slices were cut to the vector's width.
+            unsafe { $body }
+        })*
+    };
+}
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+use methods;

@@ -1,0 +1,208 @@
+//! SSE2: 4 lanes, what every x86-64 has. Gathers, permutes and compression go through memory.
+
+use super::{Simd, methods, operators};
+use std::arch::x86_64::*;
+use std::array::from_fn;
+
+const WIDTH: usize = 4;
+
+/// Proof of SSE2.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sse2(());
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct F32(__m128);
+/// Lower and upper two lanes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct F64(__m128d, __m128d);
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct U32(__m128i);
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Mask(__m128);
+
+impl Sse2 {
+    /// # Safety
+    /// The processor must have SSE2.
+    #[inline(always)]
+    pub(crate) unsafe fn new() -> Self {
+        Self(())
+    }
+
+    #[inline(always)]
+    fn lanes(self, x: U32) -> [u32; WIDTH] {
+        let mut lanes = [0; WIDTH];
+        self.store_u32(x, &mut lanes);
+        lanes
+    }
+}
+
+operators! {
+    F32 {
+        Add::add = |a, b| F32(_mm_add_ps(a.0, b.0));
+        Sub::sub = |a, b| F32(_mm_sub_ps(a.0, b.0));
+        Mul::mul = |a, b| F32(_mm_mul_ps(a.0, b.0));
+        Div::div = |a, b| F32(_mm_div_ps(a.0, b.0));
+    }
+    F64 {
+        Add::add = |a, b| F64(_mm_add_pd(a.0, b.0), _mm_add_pd(a.1, b.1));
+        Sub::sub = |a, b| F64(_mm_sub_pd(a.0, b.0), _mm_sub_pd(a.1, b.1));
+        Mul::mul = |a, b| F64(_mm_mul_pd(a.0, b.0), _mm_mul_pd(a.1, b.1));
+        Div::div = |a, b| F64(_mm_div_pd(a.0, b.0), _mm_div_pd(a.1, b.1));
+    }
+    U32 {
+        Add::add = |a, b| U32(_mm_add_epi32(a.0, b.0));
+        Sub::sub = |a, b| U32(_mm_sub_epi32(a.0, b.0));
+        BitAnd::bitand = |a, b| U32(_mm_and_si128(a.0, b.0));
+        BitOr::bitor = |a, b| U32(_mm_or_si128(a.0, b.0));
+        BitXor::bitxor = |a, b| U32(_mm_xor_si128(a.0, b.0));
+    }
+    Mask {
+        BitAnd::bitand = |a, b| Mask(_mm_and_ps(a.0, b.0));
+        BitOr::bitor = |a, b| Mask(_mm_or_ps(a.0, b.0));
+    }
+}
+
+impl std::ops::Shl<u32> for U32 {
+    type Output = Self;
+    #[inline(always)]
+    fn shl(self, by: u32) -> Self {
+        // SAFETY: the vector proves the instructions.
+        unsafe { Self(_mm_sll_epi32(self.0, _mm_cvtsi32_si128(by as i32))) }
+    }
+}
+
+impl std::ops::Shr<u32> for U32 {
+    type Output = Self;
+    #[inline(always)]
+    fn shr(self, by: u32) -> Self {
+        // SAFETY: the vector proves the instructions.
+        unsafe { Self(_mm_srl_epi32(self.0, _mm_cvtsi32_si128(by as i32))) }
+    }
+}
+
+impl std::ops::Not for Mask {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        // SAFETY: the vector proves the instructions.
+        unsafe { Self(_mm_xor_ps(self.0, _mm_castsi128_ps(_mm_set1_epi32(-1)))) }
+    }
+}
+
+impl Simd for Sse2 {
+    const WIDTH: usize = WIDTH;
+    type F = F32;
+    type D = F64;
+    type U = U32;
+    type M = Mask;
+
+    methods! {
+        f32s(x: f32) -> F32 = F32(_mm_set1_ps(x));
+        u32s(x: u32) -> U32 = U32(_mm_set1_epi32(x as i32));
+        f64s(x: f64) -> F64 = F64(_mm_set1_pd(x), _mm_set1_pd(x));
+
+        load(from: &[f32]) -> F32 = F32(_mm_loadu_ps(from[..WIDTH].as_ptr()));
+        load_u32(from: &[u32]) -> U32 = U32(_mm_loadu_si128(from[..WIDTH].as_ptr().cast()));
+        store(x: F32, to: &mut [f32]) = _mm_storeu_ps(to[..WIDTH].as_mut_ptr(), x.0);
+        store_u32(x: U32, to: &mut [u32]) = _mm_storeu_si128(to[..WIDTH].as_mut_ptr().cast(), x.0);
+
+        larger(a: F32, b: F32) -> F32 = F32(_mm_max_ps(a.0, b.0));
+        smaller(a: F32, b: F32) -> F32 = F32(_mm_min_ps(a.0, b.0));
+        abs(x: F32) -> F32 = F32(_mm_andnot_ps(_mm_set1_ps(-0.0), x.0));
+
+        lt(a: F32, b: F32) -> Mask = Mask(_mm_cmplt_ps(a.0, b.0));
+        le(a: F32, b: F32) -> Mask = Mask(_mm_cmple_ps(a.0, b.0));
+        eq(a: F32, b: F32) -> Mask = Mask(_mm_cmpeq_ps(a.0, b.0));
+        lt_f64(a: F64, b: F64) -> Mask = joined(_mm_cmplt_pd(a.0, b.0), _mm_cmplt_pd(a.1, b.1));
+        eq_f64(a: F64, b: F64) -> Mask = joined(_mm_cmpeq_pd(a.0, b.0), _mm_cmpeq_pd(a.1, b.1));
+        eq_u32(a: U32, b: U32) -> Mask = Mask(_mm_castsi128_ps(_mm_cmpeq_epi32(a.0, b.0)));
+        lt_u32(a: U32, b: U32) -> Mask = {
+            // Signed comparison of both sides moved down by 2³¹.
+            let sign = _mm_set1_epi32(i32::MIN);
+            Mask(_mm_castsi128_ps(_mm_cmplt_epi32(_mm_xor_si128(a.0, sign), _mm_xor_si128(b.0, sign))))
+        };
+
+        select(mask: Mask, yes: F32, no: F32) -> F32 =
+            F32(_mm_or_ps(_mm_and_ps(mask.0, yes.0), _mm_andnot_ps(mask.0, no.0)));
+        select_u32(mask: Mask, yes: U32, no: U32) -> U32 = {
+            let mask = _mm_castps_si128(mask.0);
+            U32(_mm_or_si128(_mm_and_si128(mask, yes.0), _mm_andnot_si128(mask, no.0)))
+        };
+        select_f64(mask: Mask, yes: F64, no: F64) -> F64 = {
+            let lower = _mm_castps_pd(_mm_unpacklo_ps(mask.0, mask.0));
+            let upper = _mm_castps_pd(_mm_unpackhi_ps(mask.0, mask.0));
+            F64(
+                _mm_or_pd(_mm_and_pd(lower, yes.0), _mm_andnot_pd(lower, no.0)),
+                _mm_or_pd(_mm_and_pd(upper, yes.1), _mm_andnot_pd(upper, no.1)),
+            )
+        };
+
+        cast_u32(x: F32) -> U32 = U32(_mm_castps_si128(x.0));
+        cast_f32(x: U32) -> F32 = F32(_mm_castsi128_ps(x.0));
+        widen(x: F32) -> F64 = F64(_mm_cvtps_pd(x.0), _mm_cvtps_pd(_mm_movehl_ps(x.0, x.0)));
+        narrow(x: F64) -> F32 = F32(_mm_movelh_ps(_mm_cvtpd_ps(x.0), _mm_cvtpd_ps(x.1)));
+
+        mask(bits: u32) -> Mask = {
+            let lane = _mm_setr_epi32(1, 2, 4, 8);
+            let named = _mm_and_si128(_mm_set1_epi32(bits as i32), lane);
+            Mask(_mm_castsi128_ps(_mm_cmpeq_epi32(named, lane)))
+        };
+        bits(mask: Mask) -> u32 = _mm_movemask_ps(mask.0) as u32;
+    }
+
+    #[inline(always)]
+    fn permute(self, x: F32, from: U32) -> F32 {
+        self.cast_f32(self.permute_u32(self.cast_u32(x), from))
+    }
+    #[inline(always)]
+    fn permute_u32(self, x: U32, from: U32) -> U32 {
+        let (x, from) = (self.lanes(x), self.lanes(from));
+        self.load_u32(&from.map(|i| x[i as usize % WIDTH]))
+    }
+
+    #[inline(always)]
+    fn compress(self, mask: Mask, x: U32, to: &mut [u32]) -> usize {
+        let to = &mut to[..WIDTH];
+        let (bits, x) = (self.bits(mask), self.lanes(x));
+        let mut count = 0;
+        for i in 0..WIDTH {
+            to[count] = x[i];
+            count += (bits >> i & 1) as usize;
+        }
+        count
+    }
+
+    #[inline(always)]
+    unsafe fn gather<const SCALE: i32>(self, base: *const u8, index: U32) -> F32 {
+        // SAFETY: the caller's promise.
+        self.cast_f32(unsafe { self.gather_u32::<SCALE>(base, index) })
+    }
+    #[inline(always)]
+    unsafe fn gather_u32<const SCALE: i32>(self, base: *const u8, index: U32) -> U32 {
+        let index = self.lanes(index);
+        let x: [u32; WIDTH] = from_fn(|lane| {
+            // SAFETY: the caller says that these bytes are readable.
+            unsafe { base.add(index[lane] as usize * SCALE as usize).cast::<u32>().read_unaligned() }
+        });
+        self.load_u32(&x)
+    }
+    #[inline(always)]
+    unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, index: U32) -> (U32, U32) {
+        let index = self.lanes(index);
+        let x: [u64; WIDTH] = from_fn(|lane| {
+            // SAFETY: the caller says that these bytes are readable.
+            unsafe { base.add(index[lane] as usize * SCALE as usize).cast::<u64>().read_unaligned() }
+        });
+        (self.load_u32(&x.map(|x| x as u32)), self.load_u32(&x.map(|x| (x >> 32) as u32)))
+    }
+}
+
+/// Masks of f64 lanes as one of f32 lanes.
+///
+/// # Safety
+/// The processor must have SSE2.
+#[inline(always)]
+unsafe fn joined(lower: __m128d, upper: __m128d) -> Mask {
+    // SAFETY: the caller's promise.
+    unsafe { Mask(_mm_shuffle_ps::<0b10_00_10_00>(_mm_castpd_ps(lower), _mm_castpd_ps(upper))) }
+}
