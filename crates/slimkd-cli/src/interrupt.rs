@@ -1,4 +1,4 @@
-//! Ctrl-C: a flag that all long work looks at.
+//! Ctrl-C: a flag that all long work looks at; and the signal of a file-size limit, which nobody should die of.
 
 use crate::failure::Failure;
 use std::io::{Read, Write};
@@ -14,6 +14,9 @@ pub(crate) fn listen() {
             std::process::exit(i32::from(Failure::Interrupted.status()));
         }
     });
+    // Ignored like this, a file that reaches `ulimit -f` is an error of the write, which says so.
+    #[cfg(unix)]
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
 }
 
 /// True once Ctrl-C was pressed.

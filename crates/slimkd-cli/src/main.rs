@@ -14,6 +14,7 @@ mod output;
 mod ply;
 mod rays;
 mod report;
+mod saved;
 mod savings;
 mod scenes;
 mod trees;

@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all: written beside their target, then renamed over it.
+//! Files that appear whole or not at all: written beside their target, brought to the disk, renamed over it.
 
 use crate::failure::Failure;
 use crate::interrupt::{self, Interruptible};
@@ -79,8 +79,11 @@ impl Draft {
         match self {
             Self::Beside(writer, path) => {
                 let file = writer.into_inner().map_err(|error| unwritable(&path, error.error()))?;
+                // On the disk before it gets the old file's name: after a power cut there is the old file or this one.
+                file.0.as_file().sync_all().map_err(|error| unwritable(&path, &error))?;
                 interrupt::check()?;
                 file.0.persist(&path).map_err(|error| unwritable(&path, &error.error))?;
+                sync_folder(&path);
                 Ok(())
             }
             Self::InPlace(mut writer, path) => writer.flush().map_err(|error| unwritable(&path, &error)),
@@ -102,6 +105,13 @@ impl Write for Draft {
             Self::InPlace(writer, _) => writer.flush(),
         }
     }
+}
+
+/// Brings the rename itself to the disk, where folders can be opened for that.
+fn sync_folder(path: &Path) {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    // The new file is in place either way: a file system that cannot do this loses at most the rename.
+    let _ = File::open(folder).and_then(|folder| folder.sync_all());
 }
 
 /// The error for a target that the operating system refuses.

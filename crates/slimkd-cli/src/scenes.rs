@@ -1,9 +1,11 @@
 //! Scenes by file or by built-in name.
 
+use crate::args::SceneDetails;
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::trees::is_saved;
+use crate::saved::{self, is_saved};
 use crate::ui::{Ui, Watched};
+use slimkd::KdTree;
 use slimkd_scene::procedural::{self, BuiltIn};
 use slimkd_scene::{LoadError, LoadProgress, Scene};
 use std::fmt::Write;
@@ -21,6 +23,8 @@ pub(crate) struct Loaded {
     pub(crate) scene: Scene,
     /// Wall time, s.
     pub(crate) seconds: f64,
+    /// Its tree, where that was saved.
+    pub(crate) tree: Option<KdTree>,
 }
 
 impl Watched for LoadProgress {
@@ -34,20 +38,22 @@ impl Watched for LoadProgress {
 }
 
 /// Loads a file, or generates the built-in scene of that name. `./kitchen` is always a file.
-pub(crate) fn load(path: &Path, triangles: Option<NonZeroU32>, ui: Ui) -> Result<Loaded, Failure> {
-    if let Some(found) = path.to_str().and_then(procedural::find) {
-        return generate(found, triangles);
+pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded, Failure> {
+    if is_saved(path) {
+        return saved::load(path, details, ui);
     }
-    if triangles.is_some() {
+    if details.mesh.is_some() {
+        let what = "only a saved tree takes a --mesh; leave it out";
+        return Err(Failure::Usage(format!("{}: {what}", path.display())));
+    }
+    if let Some(found) = path.to_str().and_then(procedural::find) {
+        return generate(found, details.triangles);
+    }
+    if details.triangles.is_some() {
         return Err(fixed_size(path));
     }
     if !path.exists() {
         return Err(unknown(path));
-    }
-    if is_saved(path) {
-        let what =
-            "a saved tree is read by `inspect` and `trace` only; give the scene that it was built from";
-        return Err(Failure::at(path, what));
     }
     let (progress, started) = (LoadProgress::new(), Instant::now());
     let scene =
@@ -59,7 +65,7 @@ pub(crate) fn load(path: &Path, triangles: Option<NonZeroU32>, ui: Ui) -> Result
             }
             other => Failure::at(path, other),
         })?;
-    Ok(Loaded { scene, seconds: started.elapsed().as_secs_f64() })
+    Ok(Loaded { scene, seconds: started.elapsed().as_secs_f64(), tree: None })
 }
 
 /// Generates the built-in scene `name`.
@@ -114,5 +120,5 @@ fn generate(found: &'static BuiltIn, triangles: Option<NonZeroU32>) -> Result<Lo
     let scene = scene.ok_or_else(|| {
         Failure::work(format_args!("{}: no such scene of {triangles} triangles; ask for fewer", found.name))
     })?;
-    Ok(Loaded { scene, seconds: started.elapsed().as_secs_f64() })
+    Ok(Loaded { scene, seconds: started.elapsed().as_secs_f64(), tree: None })
 }

@@ -1,16 +1,13 @@
 //! From a scene to a tree, or a tree from its file, with everything that reports say about it.
 
 use crate::allocator::Watermark;
-use crate::args::{SourceArgs, TreeArgs};
+use crate::args::TreeArgs;
 use crate::failure::Failure;
-use crate::interrupt::{self, Interruptible};
-use crate::scenes;
+use crate::interrupt;
+use crate::scenes::Loaded;
 use crate::ui::{Ui, grouped};
 use slimkd::{BuildError, BuildOptions, KdTree, Progress, TreeStatistics, TriangleMesh};
-use std::fs::File;
-use std::io::BufReader;
 use std::num::NonZeroUsize;
-use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -51,11 +48,6 @@ pub(crate) fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
         .map_err(|error| Failure::work(format_args!("{threads} threads: {error}; give fewer with --threads")))
 }
 
-/// True for the name of a saved tree.
-pub(crate) fn is_saved(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("skd"))
-}
-
 /// Builds the tree of a mesh; `name` and `load_seconds` are the scene's.
 pub(crate) fn build(
     name: &str,
@@ -84,34 +76,20 @@ pub(crate) fn build(
     })
 }
 
-/// Reads a saved tree, or loads a scene and builds its tree.
-pub(crate) fn read_or_build(source: &SourceArgs, args: &TreeArgs, ui: Ui) -> Result<Tree, Failure> {
-    let SourceArgs { source: scene, triangles } = source;
-    if !is_saved(scene) {
-        let loaded = scenes::load(scene, *triangles, ui)?;
-        let tree = build(&loaded.scene.name, &loaded.scene.mesh, loaded.seconds, &args.options(), ui)?;
-        warn_of_degenerate(&tree.statistics, ui);
-        return Ok(tree);
-    }
-    if triangles.is_some() {
-        return Err(scenes::fixed_size(scene));
-    }
+/// The scene's saved tree, or else the one that is built for it.
+pub(crate) fn take_or_build(loaded: &mut Loaded, args: &TreeArgs, ui: Ui) -> Result<Tree, Failure> {
+    let Some(tree) = loaded.tree.take() else {
+        return build(&loaded.scene.name, &loaded.scene.mesh, loaded.seconds, &args.options(), ui);
+    };
     if args.is_given() {
-        ui.warn(format_args!("{}: a saved tree keeps the options that it was built with", scene.display()));
+        ui.warn(format_args!("{}: a saved tree keeps the options that it was built with", loaded.scene.name));
     }
-    let started = Instant::now();
-    let file = File::open(scene)
-        .and_then(|file| {
-            if file.metadata()?.is_dir() { Err(std::io::ErrorKind::IsADirectory.into()) } else { Ok(file) }
-        })
-        .map_err(|error| Failure::at(scene, format_args!("cannot read: {error}; check the path")))?;
-    let tree = KdTree::read(&mut BufReader::with_capacity(1 << 20, Interruptible(file)))
-        .map_err(|error| Failure::at(scene, error))?;
-    let load_seconds = started.elapsed().as_secs_f64();
-    let name = scene.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let tree = usable(Tree { name, statistics: tree.statistics(), tree, load_seconds, cost: None })?;
-    warn_of_degenerate(&tree.statistics, ui);
-    Ok(tree)
+    saved(&loaded.scene.name, tree, loaded.seconds)
+}
+
+/// A tree that was read.
+pub(crate) fn saved(name: &str, tree: KdTree, load_seconds: f64) -> Result<Tree, Failure> {
+    usable(Tree { name: name.to_owned(), statistics: tree.statistics(), tree, load_seconds, cost: None })
 }
 
 /// Refuses a tree in which nothing can ever be hit.

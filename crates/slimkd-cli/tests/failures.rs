@@ -142,7 +142,11 @@ fn saved_trees() {
     tool.file("empty.skd", b"");
     tool.fails("inspect empty.skd", 1, &["empty.skd"]);
     tool.fails("inspect missing.skd", 1, &["missing.skd"]);
-    tool.fails("render noise.skd", 1, &["noise.skd", "saved tree"]);
+    tool.fails("render noise.skd", 1, &["noise.skd", "not a .skd tree"]);
+    tool.file("square.ply", square());
+    tool.fails("inspect square.ply --mesh square.ply", 2, &["--mesh", "saved tree"]);
+    tool.fails("render --mesh square.ply", 2, &["--mesh"]);
+    tool.fails("build square.ply --no-mesh", 2, &["--output"]);
     tool.fails("inspect noise.skd --triangles 10", 2, &["--triangles"]);
 }
 

@@ -69,3 +69,56 @@ fn damaged_trees_are_refused() {
         assert!(matches!(run.status, 0 | 1), "byte {place}: {}", run.stderr);
     }
 }
+
+#[test]
+fn every_command_takes_a_saved_tree() {
+    let tool = Tool::new();
+    ray_file(&tool.path("rays.f32"), &[Ray::new([0.0, 1.5, 0.0], [0.3, -0.2, 0.1])]);
+    tool.ok(&format!("build {SCENE} --preset tiny -o tree.skd"));
+    tool.ok("render tree.skd --size 8x8 --up y -o tree.png");
+    tool.ok("trace tree.skd --rays rays.f32 --out hits.bin");
+    let presets = |line: &str| {
+        let report = tool.json(line);
+        let results = report["results"].as_array().unwrap().clone();
+        let mut presets: Vec<_> = results.iter().map(|rate| rate["preset"].to_string()).collect();
+        presets.sort();
+        presets.dedup();
+        presets
+    };
+    assert_eq!(presets("bench tree.skd --rays 64 --json"), ["\"tiny\""]);
+    assert_eq!(presets("bench tree.skd --rays 64 --presets tiny,slim --json"), ["\"slim\"", "\"tiny\""]);
+    // A build from a saved tree is a build from its mesh.
+    tool.ok(&format!("build {SCENE} --preset slim -o slim.skd"));
+    tool.ok("build tree.skd --preset slim -o again.skd");
+    assert!(std::fs::read(tool.path("slim.skd")).unwrap() == std::fs::read(tool.path("again.skd")).unwrap());
+}
+
+#[test]
+fn a_tree_without_its_mesh_wants_the_right_one() {
+    let tool = Tool::new();
+    tool.ok("scene kitchen --triangles 3000 -o kitchen.ply");
+    tool.ok("scene kitchen --triangles 3500 -o other.ply");
+    tool.ok("build kitchen.ply -o whole.skd");
+    tool.ok("build kitchen.ply -o alone.skd --no-mesh");
+    let length = |name: &str| std::fs::metadata(tool.path(name)).unwrap().len();
+    assert!(length("alone.skd") * 2 < length("whole.skd"));
+    ray_file(&tool.path("rays.f32"), &[Ray::new([0.0, 1.5, 0.0], [0.3, -0.2, 0.1])]);
+    for command in [
+        "inspect alone.skd",
+        "build alone.skd",
+        "render alone.skd --size 8x8",
+        "bench alone.skd --rays 64",
+        "trace alone.skd --rays rays.f32 --out hits.bin",
+    ] {
+        tool.fails(command, 1, &["alone.skd", "without its mesh", "--mesh"]);
+        tool.fails(&format!("{command} --mesh other.ply"), 1, &["alone.skd", "another mesh", "hash"]);
+        tool.fails(&format!("{command} --mesh missing.ply"), 1, &["missing.ply"]);
+        tool.fails(&format!("{command} --mesh whole.skd"), 2, &["whole.skd", "scene"]);
+        tool.ok(&format!("{command} --mesh kitchen.ply"));
+    }
+    // The mesh inside is held against the one that is given, too.
+    tool.ok("inspect whole.skd --mesh kitchen.ply");
+    tool.fails("inspect whole.skd --mesh other.ply", 1, &["another mesh"]);
+    let report = tool.json("inspect alone.skd --json --mesh kitchen.ply");
+    assert_eq!(report["bytes"], tool.json("inspect whole.skd --json")["bytes"]);
+}

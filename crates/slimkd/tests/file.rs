@@ -1,8 +1,10 @@
 //! `.skd` files: round trips, and damage that must be an error.
 
 mod common;
+#[path = "common/skd.rs"]
+mod skd;
 
-use common::{Rng, hard_rays, skd, soup, variants};
+use common::{Rng, hard_rays, soup, variants};
 use slimkd::{BuildOptions, FileError, KdTree, Preset, TriangleMesh};
 use std::sync::Arc;
 

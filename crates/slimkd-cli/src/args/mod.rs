@@ -7,7 +7,7 @@ mod tree;
 
 pub(crate) use camera::CameraArgs;
 pub(crate) use parse::{Size, threads, triangles};
-pub(crate) use scene::{SceneArgs, SourceArgs};
+pub(crate) use scene::{SceneArgs, SceneDetails};
 pub(crate) use tree::{Kind, TreeArgs, TuningArgs, preset};
 
 use crate::commands;
@@ -33,8 +33,8 @@ Examples:
   slimkd inspect building.ply.zst --json
   slimkd scene --list
 
-SCENE is a file (.ply .obj .stl .gltf .glb, each also with .zst or .gz behind it) or the
-name of a built-in scene.
+SCENE is a file (.ply .obj .stl .gltf .glb, each also with .zst or .gz behind it), the name
+of a built-in scene, or a tree.skd saved by `slimkd build -o`.
 Exit status: 0 done, 1 the work failed, 2 wrong usage, 130 interrupted.";
 
 /// The commands.

@@ -14,6 +14,7 @@ const EXAMPLES: &str = "\
 Examples:
   slimkd build sponza.obj
   slimkd build building.ply.zst --preset paper-small -o building.skd
+  slimkd build building.ply.zst -o building.skd --no-mesh
   slimkd build building.ply.zst --preset paper-fast --savings
   slimkd build sponza.obj --preset standard --occupancy 0.5 --frequency 0.4 --rebuild
   slimkd build sponza.obj --preset standard --two-byte --byte-weight 0.2 --clipping 10000
@@ -28,6 +29,9 @@ pub(crate) struct BuildArgs {
     /// Save the tree, with its mesh
     #[arg(short, long, value_name = "tree.skd")]
     output: Option<PathBuf>,
+    /// Save the tree without its mesh: who reads it gives that with --mesh
+    #[arg(long, requires = "output")]
+    no_mesh: bool,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -41,13 +45,18 @@ pub(crate) struct BuildArgs {
 /// Builds, reports, saves.
 pub(crate) fn run(args: &BuildArgs, ui: Ui) -> Result<(), Failure> {
     let output = args.output.as_deref().map(Output::prepare).transpose()?;
-    let loaded = scenes::load(&args.scene.scene, args.scene.triangles, ui)?;
+    let mut loaded = scenes::load(&args.scene.scene, &args.scene.details, ui)?;
+    drop(loaded.tree.take());
     let (scene, options) = (&loaded.scene, args.tree.options());
     let tree = trees::build(&scene.name, &scene.mesh, loaded.seconds, &options, ui)?;
     trees::warn_of_degenerate(&tree.statistics, ui);
     if let Some(output) = output {
         let mut draft = output.draft()?;
-        tree.tree.write(&mut draft).map_err(|error| match error {
+        let written = match args.no_mesh {
+            true => tree.tree.write_without_mesh(&mut draft),
+            false => tree.tree.write(&mut draft),
+        };
+        written.map_err(|error| match error {
             FileError::Io(error) => crate::output::unwritable(output.path(), &error),
             other => Failure::at(output.path(), other),
         })?;

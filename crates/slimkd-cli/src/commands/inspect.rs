@@ -1,9 +1,9 @@
 //! `slimkd inspect`: the size and shape of a tree that is built for it, or read from its file.
 
-use crate::args::{SourceArgs, TreeArgs};
+use crate::args::{SceneArgs, TreeArgs};
 use crate::failure::Failure;
 use crate::report::{Report, histograms};
-use crate::{trees, ui, ui::Ui};
+use crate::{scenes, trees, ui, ui::Ui};
 use clap::Args;
 
 const EXAMPLES: &str = "\
@@ -17,7 +17,7 @@ Examples:
 #[command(after_help = EXAMPLES)]
 pub(crate) struct InspectArgs {
     #[command(flatten)]
-    source: SourceArgs,
+    scene: SceneArgs,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -27,7 +27,9 @@ pub(crate) struct InspectArgs {
 
 /// Reports.
 pub(crate) fn run(args: &InspectArgs, ui: Ui) -> Result<(), Failure> {
-    let tree = trees::read_or_build(&args.source, &args.tree, ui)?;
+    let mut loaded = scenes::load(&args.scene.scene, &args.scene.details, ui)?;
+    let tree = trees::take_or_build(&mut loaded, &args.tree, ui)?;
+    trees::warn_of_degenerate(&tree.statistics, ui);
     let report = Report::new(&tree, args.tree.threads);
     if args.json {
         ui::print_json(&report)

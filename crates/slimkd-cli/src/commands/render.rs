@@ -1,6 +1,6 @@
 //! `slimkd render`: a picture of a scene.
 
-use crate::args::{CameraArgs, Size, TreeArgs, triangles};
+use crate::args::{CameraArgs, SceneDetails, Size, TreeArgs};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::trees::{self, Tree};
@@ -33,12 +33,12 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct RenderArgs {
-    /// A scene file or a built-in scene's name; without it, the built-in kitchen and its tree's size under each preset
-    #[arg(value_name = "SCENE")]
+    /// A scene file, a built-in scene's name, or a saved tree; without it, the built-in kitchen of 150,000 triangles and
+    /// its tree's size under each preset
+    #[arg(value_name = "SCENE|tree.skd")]
     scene: Option<PathBuf>,
-    /// How many triangles a built-in scene gets; 150,000 in the kitchen when no scene is named
-    #[arg(long, value_name = "N", value_parser = triangles)]
-    triangles: Option<NonZeroU32>,
+    #[command(flatten)]
+    details: SceneDetails,
     /// The picture: .png, or .exr for linear light
     #[arg(short, long, value_name = "out.png", default_value = "out.png")]
     output: PathBuf,
@@ -139,13 +139,15 @@ pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
     let output = Output::prepare(&args.output)?;
     Film::check_format(output.path()).map_err(Failure::work)?;
     let mut loaded = match &args.scene {
-        Some(scene) => scenes::load(scene, args.triangles, ui)?,
-        None => scenes::built_in(DEFAULT_SCENE, args.triangles.or(Some(DEFAULT_TRIANGLES)))?,
+        Some(scene) => scenes::load(scene, &args.details, ui)?,
+        None if args.details.mesh.is_some() => {
+            return Err(Failure::Usage("--mesh belongs to a saved tree; name that too".to_owned()));
+        }
+        None => scenes::built_in(DEFAULT_SCENE, args.details.triangles.or(Some(DEFAULT_TRIANGLES)))?,
     };
     cameras::settle_up(&args.camera, &mut loaded.scene);
     let tree = if args.scene.is_some() {
-        let options = args.tree.options();
-        trees::build(&loaded.scene.name, &loaded.scene.mesh, loaded.seconds, &options, ui)?
+        trees::take_or_build(&mut loaded, &args.tree, ui)?
     } else {
         compare_presets(&loaded, args, ui)?
     };

@@ -1,11 +1,12 @@
 //! `slimkd trace`: rays from a file, hits to a file, a batch at a time.
 
-use crate::args::{Kind, SourceArgs, TreeArgs};
+use crate::args::{Kind, SceneArgs, TreeArgs};
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::output::{Output, unwritable};
 use crate::rays::{BATCH, RayFile, encode_any, encode_closest};
 use crate::ui::{Ui, Watched, grouped};
+use crate::{scenes, trees};
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 use slimkd::{KdTree, Ray};
@@ -31,7 +32,7 @@ v f32; with --kind any, t is 0 on a hit and only \"hit or not\" counts.";
 #[command(after_help = EXAMPLES)]
 pub(crate) struct TraceArgs {
     #[command(flatten)]
-    source: SourceArgs,
+    scene: SceneArgs,
     /// The rays to trace
     #[arg(long, value_name = "rays.f32")]
     rays: PathBuf,
@@ -64,11 +65,14 @@ enum Kernel {
 pub(crate) fn run(args: &TraceArgs, ui: Ui) -> Result<(), Failure> {
     let output = Output::prepare(&args.out)?;
     let mut input = RayFile::open(&args.rays)?;
-    let tree = crate::trees::read_or_build(&args.source, &args.tree, ui)?;
+    let mut loaded = scenes::load(&args.scene.scene, &args.scene.details, ui)?;
+    let tree = trees::take_or_build(&mut loaded, &args.tree, ui)?;
+    trees::warn_of_degenerate(&tree.statistics, ui);
+    drop(loaded);
     if args.kernel != Kernel::Single {
         ui.note("this version traces ray by ray whatever --kernel says; the hits are the same");
     }
-    let pool = crate::trees::pool(crate::trees::thread_count(args.tree.threads))?;
+    let pool = trees::pool(trees::thread_count(args.tree.threads))?;
     let progress = Progress { total: input.count().unwrap_or(0), ..Progress::default() };
     let started = Instant::now();
     ui.watch("trace", &progress, || {

@@ -1,8 +1,6 @@
 //! Meshes and rays that several tests use.
 #![allow(dead_code, unreachable_pub)] // each test file uses its own part
 
-pub mod skd;
-
 use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Preset, Ray, TriangleMesh};
 
 /// Every preset, and each option that changes what a tree looks like.

@@ -1,4 +1,5 @@
 //! Taking `.skd` files apart and putting them together with right checksums, independently of the library's code.
+#![allow(dead_code, unreachable_pub)] // each test file uses its own part
 
 use std::ops::Range;
 use xxhash_rust::xxh3::xxh3_64;

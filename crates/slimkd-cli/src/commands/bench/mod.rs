@@ -20,6 +20,8 @@ Examples:
   slimkd bench sponza.obj --presets standard,paper-small --view 1 --json
   slimkd bench kitchen --triangles 1000000 --threads 4 --frames
   slimkd bench kitchen --collapse       all presets, each with collapse
+  slimkd bench tree.skd                 a saved tree alone
+  slimkd bench tree.skd --presets slim,tiny     beside others of the same mesh
 
 Workloads: primary (camera rays, closest hit), shadow (from there to a light, any hit),
 bounce (from there, cosine-distributed, closest hit), random (segments across the scene,
@@ -58,22 +60,10 @@ pub(crate) struct BenchArgs {
 
 /// Builds, compares, measures.
 pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
-    let mut loaded = scenes::load(&args.scene.scene, args.scene.triangles, ui)?;
+    let mut loaded = scenes::load(&args.scene.scene, &args.scene.details, ui)?;
     cameras::settle_up(&args.camera, &mut loaded.scene);
+    let built = contenders(args, &mut loaded, ui)?;
     let scene = &loaded.scene;
-    let mut presets: Vec<Preset> = Vec::new();
-    for &preset in if args.presets.is_empty() { Preset::ALL } else { &args.presets } {
-        if !presets.contains(&preset) {
-            presets.push(preset);
-        }
-    }
-    let built: Vec<(Preset, Tree)> = presets
-        .iter()
-        .map(|&preset| {
-            let options = args.tuning.options(preset, None);
-            Ok((preset, trees::build(&scene.name, &scene.mesh, loaded.seconds, &options, ui)?))
-        })
-        .collect::<Result<_, Failure>>()?;
     trees::warn_of_degenerate(&built[0].1.statistics, ui);
     let bench = Bench {
         scene,
@@ -91,4 +81,22 @@ pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
     });
     let report = Report { results, frames: frames.transpose()? };
     if args.json { ui::print_json(&report) } else { ui::print(&report.table()) }
+}
+
+/// The trees to compare. A saved one stands for its preset; beside it there are those that were asked for.
+fn contenders(args: &BenchArgs, loaded: &mut scenes::Loaded, ui: Ui) -> Result<Vec<(Preset, Tree)>, Failure> {
+    let mut trees: Vec<(Preset, Tree)> = Vec::new();
+    let saved = loaded.tree.take();
+    let scene = &loaded.scene;
+    let all = if saved.is_none() { Preset::ALL } else { &[] };
+    if let Some(tree) = saved {
+        trees.push((tree.options().preset, trees::saved(&scene.name, tree, loaded.seconds)?));
+    }
+    for &preset in if args.presets.is_empty() { all } else { &args.presets } {
+        if trees.iter().all(|tree| tree.0 != preset) {
+            let options = args.tuning.options(preset, None);
+            trees.push((preset, trees::build(&scene.name, &scene.mesh, loaded.seconds, &options, ui)?));
+        }
+    }
+    Ok(trees)
 }
