@@ -4,7 +4,7 @@ use crate::savings::Savings;
 use crate::trees::{Tree, thread_count};
 use crate::ui::{bytes, grouped};
 use serde::Serialize;
-use slimkd::{BuildOptions, HoistAlgorithm, MemoryReport, TreeStatistics};
+use slimkd::{BuildOptions, HoistAlgorithm, Layout, MemoryReport, TreeStatistics};
 use std::fmt::Write;
 use std::num::NonZeroUsize;
 
@@ -246,7 +246,11 @@ fn choices(options: &BuildOptions) -> String {
     if options.collapse && options.byte_weight > 0.0 {
         let _ = write!(out, "{}", options.byte_weight);
     }
-    out.push_str(if options.two_byte_leaves { ", 2-byte leaves" } else { ", 4-byte leaves alone" });
+    out.push_str(match options.layout {
+        Layout::FourByte => ", 4-byte leaves alone",
+        Layout::TwoByte => ", 2-byte leaves",
+        _ => ", dense layout",
+    });
     out
 }
 

@@ -1,20 +1,17 @@
-//! What makes a tree smaller than the standard one: hoisting, collapse and the 2-byte mode, apart.
+//! What makes a tree smaller than the standard one: hoisting, collapse and the layout, apart.
 //!
 //! The steps are taken in this order, each on top of those before, so that their savings add up to the whole:
 //! 1. The baseline: the same constants, no hoisting, no collapse, 4-byte references alone.
 //! 2. Hoisting, with all that it changes in the tree below.
 //! 3. Collapse. A step that the options leave out saves nothing and costs no build.
-//! 4. The 2-byte mode: 2 bytes for each reference in such a leaf. It changes no node, so it needs no build.
+//! 4. The layout: the same nodes and references with 8 and 4 bytes each are counted, not built.
 
 use crate::failure::Failure;
 use crate::report::{Rows, amount};
 use crate::trees::{self, Tree};
 use crate::ui::Ui;
 use serde::Serialize;
-use slimkd::{BuildOptions, TreeStatistics};
-
-/// Bytes that a 2-byte reference saves.
-const SAVED_A_REFERENCE: u64 = 2;
+use slimkd::{BuildOptions, Layout, TreeStatistics};
 
 /// Bytes saved, step by step; a step that made the tree larger is below 0. Optional part of the JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -23,7 +20,7 @@ pub(crate) struct Savings {
     baseline: u64,
     hoisting: i64,
     collapse: i64,
-    two_byte: i64,
+    layout: i64,
 }
 
 impl Savings {
@@ -34,13 +31,13 @@ impl Savings {
             Ok::<_, Failure>(other.tree.memory().tree())
         };
         let mut without_collapse = options.clone();
-        without_collapse.two_byte_leaves = false;
+        without_collapse.layout = Layout::FourByte;
         without_collapse.collapse = false;
         let mut standard = without_collapse.clone();
         standard.hoisting = None;
 
         let baseline = size(&standard)?;
-        let four_byte = tree.tree.memory().tree() + by_two_byte(&tree.statistics);
+        let four_byte = four_byte(&tree.statistics);
         let hoisted = match (&options.hoisting, options.collapse) {
             (None, _) => baseline,
             (Some(_), false) => four_byte,
@@ -50,7 +47,7 @@ impl Savings {
             baseline,
             hoisting: difference(baseline, hoisted),
             collapse: difference(hoisted, four_byte),
-            two_byte: difference(four_byte, tree.tree.memory().tree()),
+            layout: difference(four_byte, tree.tree.memory().tree()),
         })
     }
 
@@ -61,7 +58,7 @@ impl Savings {
         let mut rows = Rows::default();
         rows.add("standard-style", amount(self.baseline, self.baseline as f64 / triangles));
         for (step, saved) in
-            [("hoisting", self.hoisting), ("collapse", self.collapse), ("2-byte leaves", self.two_byte)]
+            [("hoisting", self.hoisting), ("collapse", self.collapse), ("layout", self.layout)]
         {
             let sign = if saved < 0 { '+' } else { '-' };
             let size = saved.unsigned_abs();
@@ -74,18 +71,23 @@ impl Savings {
 }
 
 /// The line that stands for [`Savings::table`] where nothing was built for it.
-pub(crate) fn hint(statistics: &TreeStatistics) -> String {
+pub(crate) fn hint(statistics: &TreeStatistics, bytes: u64) -> String {
     let mut rows = Rows::default();
-    let saved = crate::ui::bytes(by_two_byte(statistics));
     rows.add(
         "savings",
-        format!("{saved} by 2-byte leaves; --savings builds again to show the rest, each apart"),
+        format!(
+            "{} by the layout; --savings builds again to show the rest, each apart",
+            crate::ui::bytes(four_byte(statistics).saturating_sub(bytes))
+        ),
     );
     rows.finish()
 }
 
-fn by_two_byte(statistics: &TreeStatistics) -> u64 {
-    SAVED_A_REFERENCE * statistics.leaf_references.two_byte
+/// Bytes of the same tree in 8-byte nodes and 4-byte references.
+fn four_byte(statistics: &TreeStatistics) -> u64 {
+    let nodes = &statistics.nodes;
+    8 * (nodes.inner + 2 * nodes.t_inner + nodes.leaf)
+        + 4 * (statistics.references() - statistics.t_references)
 }
 
 fn difference(before: u64, after: u64) -> i64 {

@@ -47,7 +47,7 @@ pub mod reduce;
 pub mod traverse;
 pub mod tree;
 
-pub use build::{BuildError, BuildOptions, Clipping, Preset, Progress, SahConstants};
+pub use build::{BuildError, BuildOptions, Clipping, Layout, Preset, Progress, SahConstants};
 pub use geometry::{Aabb, MeshError, Ray, TriangleMesh};
 pub use reduce::{CountedLeaves, HoistAlgorithm, Hoisting, OccupancyBase, WhenLeafRemains};
 pub use traverse::{BruteForce, Hit, InstructionSet};

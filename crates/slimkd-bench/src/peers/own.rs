@@ -2,7 +2,7 @@
 
 use super::locked_version;
 use crate::built::{Bytes, Contender, Found, Info, SizeSource, Traced};
-use slimkd::{BuildOptions, KdTree, Preset, Ray, TriangleMesh};
+use slimkd::{BuildOptions, KdTree, Layout, Preset, Ray, TriangleMesh};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 
@@ -49,7 +49,11 @@ fn settings(options: &BuildOptions) -> String {
         Some(hoisting) => format!("T-references at ({}, {})", hoisting.occupancy, hoisting.frequency),
         None => "no T-references".into(),
     };
-    let leaves = if options.two_byte_leaves { "2-byte leaves" } else { "4-byte leaves" };
+    let leaves = match options.layout {
+        Layout::FourByte => "4-byte leaves",
+        Layout::TwoByte => "2-byte leaves",
+        _ => "dense layout",
+    };
     let collapse = match (options.collapse, options.byte_weight) {
         (false, _) => "no collapse".into(),
         (true, weight) => format!("collapse at byte weight {weight}"),

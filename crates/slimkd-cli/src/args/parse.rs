@@ -1,6 +1,6 @@
 //! Values of options, parsed and checked.
 
-use slimkd::Clipping;
+use slimkd::{Clipping, Layout};
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::str::FromStr;
 
@@ -80,6 +80,15 @@ pub(super) fn clipping(text: &str) -> Result<Clipping, String> {
             .parse()
             .map(Clipping::ExactFrom)
             .map_err(|_| format!("expected exact, box, or a number of triangles up to {}", u32::MAX)),
+    }
+}
+
+pub(super) fn layout(text: &str) -> Result<Layout, String> {
+    match text {
+        "four-byte" => Ok(Layout::FourByte),
+        "two-byte" => Ok(Layout::TwoByte),
+        "dense" => Ok(Layout::Dense),
+        _ => Err("expected four-byte, two-byte, or dense".into()),
     }
 }
 

@@ -1,9 +1,9 @@
 //! How a tree is built: the preset, and whatever is set in place of its own choices.
 
-use super::parse::{clipping, fraction, not_negative, positive, threads};
+use super::parse::{clipping, fraction, layout, not_negative, positive, threads};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Hoisting, Preset};
+use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset};
 use std::num::NonZeroUsize;
 
 /// Everything that shapes one tree.
@@ -79,12 +79,10 @@ struct ShapeArgs {
     /// the preset's unless given
     #[arg(long, value_name = "exact|box|N", value_parser = clipping, allow_negative_numbers = true)]
     clipping: Option<Clipping>,
-    /// Let leaves hold 2-byte references
-    #[arg(long, overrides_with = "no_two_byte")]
-    two_byte: bool,
-    /// Make all references of leaves 4 bytes
-    #[arg(long, overrides_with = "two_byte")]
-    no_two_byte: bool,
+    /// How the tree is written: 8-byte nodes with 4-byte or also 2-byte references, or the dense layout; the preset's
+    /// unless given
+    #[arg(long, value_name = "four-byte|two-byte|dense", value_parser = layout)]
+    layout: Option<Layout>,
 }
 
 impl TreeArgs {
@@ -113,7 +111,7 @@ impl TuningArgs {
         set(&mut options.leaf_at_most, shape.leaf_at_most);
         set(&mut options.clipping, shape.clipping);
         options.collapse |= shape.collapse || shape.byte_weight.is_some();
-        options.two_byte_leaves = shape.two_byte || options.two_byte_leaves && !shape.no_two_byte;
+        set(&mut options.layout, shape.layout);
         options
     }
 }
@@ -225,9 +223,9 @@ mod tests {
         let weighed = standard("--byte-weight 0.25 --leaf-at-most 0");
         assert!(weighed.collapse);
         assert_eq!((weighed.byte_weight, weighed.leaf_at_most), (0.25, 0));
-        assert!(standard("--two-byte").two_byte_leaves);
-        assert!(!options("--preset paper-fast --no-two-byte").unwrap().two_byte_leaves);
-        assert!(standard("--no-two-byte --two-byte").two_byte_leaves, "the last one counts");
+        assert_eq!(standard("").layout, Layout::FourByte);
+        assert_eq!(standard("--layout two-byte").layout, Layout::TwoByte);
+        assert_eq!(standard("--layout dense").layout, Layout::Dense);
         assert_eq!(standard("--clipping box").clipping, Clipping::Box);
         assert_eq!(standard("--clipping exact").clipping, Clipping::Exact);
         assert_eq!(standard("--clipping 10000").clipping, Clipping::ExactFrom(10_000));
@@ -242,6 +240,7 @@ mod tests {
             "--byte-weight -1",
             "--byte-weight inf",
             "--leaf-at-most -1",
+            "--layout small",
             "--clipping tight",
             "--clipping -3",
             "--rebuild --predict",

@@ -17,7 +17,7 @@ Examples:
   slimkd build building.ply.zst -o building.skd --no-mesh
   slimkd build building.ply.zst --preset paper-fast --savings
   slimkd build sponza.obj --preset standard --occupancy 0.5 --frequency 0.4 --rebuild
-  slimkd build sponza.obj --preset standard --two-byte --byte-weight 0.2 --clipping 10000
+  slimkd build sponza.obj --preset standard --layout dense --byte-weight 0.2 --clipping 10000
   slimkd build kitchen --triangles 1000000 --threads 1 --json";
 
 /// Arguments of `slimkd build`.
@@ -35,7 +35,7 @@ pub(crate) struct BuildArgs {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
-    /// Show how much of the tree's size hoisting, collapse and 2-byte leaves save, each: takes one build more, or two
+    /// Show how much of the tree's size hoisting, collapse and the layout save, each: takes one build more, or two
     #[arg(long)]
     savings: bool,
     #[command(flatten)]
@@ -68,6 +68,7 @@ pub(crate) fn run(args: &BuildArgs, ui: Ui) -> Result<(), Failure> {
     if args.json {
         return ui::print_json(&report);
     }
-    let hint = if args.savings { String::new() } else { savings::hint(&tree.statistics) };
+    let hint =
+        if args.savings { String::new() } else { savings::hint(&tree.statistics, tree.tree.memory().tree()) };
     ui::print(&(report.table(&tree) + &hint))
 }

@@ -11,7 +11,7 @@ mod recursion;
 mod sah;
 mod sweep;
 
-pub use options::{BuildError, BuildOptions, Clipping, Preset, SahConstants};
+pub use options::{BuildError, BuildOptions, Clipping, Layout, Preset, SahConstants};
 pub(crate) use plan::{Plan, PlanNode};
 pub use progress::Progress;
 pub(crate) use recursion::Builder;

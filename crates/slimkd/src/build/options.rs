@@ -76,6 +76,19 @@ impl Clipping {
     }
 }
 
+/// How nodes and leaves are written. Hits are the same in all of them, to the last bit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Layout {
+    /// 8-byte nodes, 4 bytes a reference.
+    FourByte = 0,
+    /// 8-byte nodes, 2 bytes a reference in leaves whose ids share their upper 16 bits (the paper's).
+    TwoByte = 1,
+    /// 4-byte nodes with planes on a grid, and byte-coded leaves. Holds no T-references and no scene whose extent is beyond
+    /// 10^±37: these are written as [`Layout::TwoByte`].
+    Dense = 2,
+}
+
 /// All knobs of a build. Start from a [`Preset`].
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -88,8 +101,8 @@ pub struct BuildOptions {
     pub leaf_at_most: u32,
     /// How straddling triangles are bounded.
     pub clipping: Clipping,
-    /// Whether leaves may use the 2-byte mode.
-    pub two_byte_leaves: bool,
+    /// How the tree is written.
+    pub layout: Layout,
     /// The paper's T-references; `None` keeps every triangle in the leaves.
     pub hoisting: Option<Hoisting>,
     /// Whether subtrees that SAH finds no cheaper than a leaf become one.
@@ -109,7 +122,7 @@ impl From<Preset> for BuildOptions {
             sah: SahConstants { traversal: 15.0, intersection: 20.0, empty_bonus: 0.85 },
             leaf_at_most: 4,
             clipping: Clipping::ExactFrom(10_000),
-            two_byte_leaves: true,
+            layout: Layout::TwoByte,
             hoisting: None,
             collapse: false,
             byte_weight: 0.0,
@@ -121,10 +134,11 @@ impl From<Preset> for BuildOptions {
             leaf_at_most: 1,
             clipping: Clipping::Exact,
             collapse: true,
+            layout: Layout::Dense,
             ..paper.clone()
         };
         match preset {
-            Preset::Standard => Self { two_byte_leaves: false, ..paper },
+            Preset::Standard => Self { layout: Layout::FourByte, ..paper },
             Preset::PaperFast => Self { hoisting: Some(Hoisting::new(0.9, 0.7)), ..paper },
             Preset::PaperSmall => Self { hoisting: Some(Hoisting::new(0.5, 0.4)), ..paper },
             Preset::Slim => Self { byte_weight: 0.1, ..ours },

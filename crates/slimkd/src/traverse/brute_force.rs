@@ -1,7 +1,7 @@
 //! The oracle: every query by testing every triangle.
 
 use super::sink::{All, Any, Closest, Sink};
-use super::{Hit, PreparedRay};
+use super::{Hit, Planes, PreparedRay};
 use crate::geometry::{Aabb, Ray, TriangleMesh};
 
 /// Answers queries without a tree, in O(triangles). What it says is what every tree must say, to the last bit.
@@ -51,7 +51,7 @@ impl<'a> BruteForce<'a> {
     }
 
     fn offer_all(&self, ray: &Ray, sink: &mut impl Sink) {
-        let Some(prepared) = PreparedRay::new(ray, &self.bounds) else { return };
+        let Some(prepared) = PreparedRay::new(ray, &self.bounds, &Planes::WORLD) else { return };
         match prepared.shear.axes[2] {
             0 => self.offer_along::<0>(&prepared, sink),
             1 => self.offer_along::<1>(&prepared, sink),

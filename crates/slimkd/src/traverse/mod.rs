@@ -10,6 +10,6 @@ mod sink;
 pub use arch::{InstructionSet, UnknownInstructionSet};
 pub use brute_force::BruteForce;
 pub use hit::Hit;
-pub(crate) use prepared::PreparedRay;
+pub(crate) use prepared::{Planes, PreparedRay};
 pub(crate) use single::traverse;
-pub(crate) use sink::{All, Any, Closest};
+pub(crate) use sink::{All, Any, Closest, Sink};

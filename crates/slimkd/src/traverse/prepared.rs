@@ -9,7 +9,8 @@
 //!    `5·2⁻²⁴·M` of its triangle (sheared f32 corners, f64 weights), `t` is rounded once more (`2⁻²⁴·M`), and `t₀`
 //!    is off by at most `4·2⁻²⁴·M`, with M the largest distance per axis from the origin to the scene's bounds.
 //!    The sum stays below `slack = 2⁻¹⁹·M`, so the leaf that holds the triangle at that point is always visited:
-//!    closest hits cannot depend on the tree.
+//!    closest hits cannot depend on the tree. Planes on a grid (`tree/dense`) add their cell to the slack, and the
+//!    origin's way into grid coordinates `5·2⁻²⁴·M` to t₀'s error: 15 of the 32 are used then.
 //! 2. `1/d` is bounded: an axis-parallel ray moves less than `slack` along a replaced component, so there is no
 //!    infinity and no 0·∞, and a ray inside a split plane visits both children.
 //! 3. Intervals are kept in units of the direction scaled by a power of two to a length near 1, so that directions
@@ -24,11 +25,34 @@ const SLACK: f32 = 1.0 / (1 << 19) as f32;
 /// Smallest direction component relative to the largest: below it, a ray is parallel to the plane.
 const PARALLEL: f32 = 1.0 / (1u64 << 60) as f32;
 
+/// The coordinates that a layout gives its split planes in: `(x − low) · scale + shift` on each axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Planes {
+    pub(crate) low: [f32; 3],
+    /// Powers of two.
+    pub(crate) scale: [f32; 3],
+    pub(crate) shift: f32,
+    /// How far a plane may stand from where it was chosen, scene units.
+    pub(crate) cell: [f32; 3],
+}
+
+impl Planes {
+    /// Exact planes in scene units.
+    pub(crate) const WORLD: Self = Self { low: [0.0; 3], scale: [1.0; 3], shift: 0.0, cell: [0.0; 3] };
+
+    /// A plane in scene units.
+    pub(crate) fn world(&self, axis: usize, split: f32) -> f32 {
+        (split - self.shift) / self.scale[axis] + self.low[axis]
+    }
+}
+
 /// A ray with everything precomputed that traversal and triangle tests use.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PreparedRay {
     pub(crate) shear: Shear,
-    /// Reciprocal direction, scaled units.
+    /// The origin in the tree's plane coordinates.
+    pub(crate) origin: [f32; 3],
+    /// Scaled units per plane unit along each axis.
     pub(crate) inverse: [f32; 3],
     /// Half-widths of split planes along the ray, scaled units.
     pub(crate) slack: [f32; 3],
@@ -47,7 +71,7 @@ pub(crate) struct PreparedRay {
 impl PreparedRay {
     /// `None` when the ray is invalid or passes the bounds by.
     #[inline]
-    pub(crate) fn new(ray: &Ray, bounds: &Aabb) -> Option<Self> {
+    pub(crate) fn new(ray: &Ray, bounds: &Aabb, planes: &Planes) -> Option<Self> {
         if !ray.is_valid() || bounds.is_empty() {
             return None;
         }
@@ -67,7 +91,7 @@ impl PreparedRay {
             let d = ray.direction[k] * unscale;
             let d = if d.abs() < PARALLEL { PARALLEL.copysign(d) } else { d };
             inverse[k] = 1.0 / d;
-            widths[k] = slack * inverse[k].abs();
+            widths[k] = (slack + planes.cell[k]) * inverse[k].abs();
             near[k] = u32::from(d < 0.0);
             let (low, high) =
                 ((bounds.min[k] - ray.origin[k]) * inverse[k], (bounds.max[k] - ray.origin[k]) * inverse[k]);
@@ -75,9 +99,10 @@ impl PreparedRay {
             enter = larger(first - widths[k], enter);
             exit = smaller(last + widths[k], exit);
         }
-        (enter <= exit).then_some(Self {
+        (enter <= exit).then(|| Self {
             shear,
-            inverse,
+            origin: std::array::from_fn(|k| (ray.origin[k] - planes.low[k]) * planes.scale[k] + planes.shift),
+            inverse: std::array::from_fn(|k| inverse[k] * reciprocal(planes.scale[k])),
             slack: widths,
             near,
             enter,

@@ -1,4 +1,4 @@
-//! One ray at a time through the 8-byte nodes.
+//! One ray at a time.
 //!
 //! Source: Havran 2001, *Heuristic Ray Shooting Algorithms*, §4.3 (front-to-back order with a stack of far children).
 //!
@@ -14,7 +14,7 @@
 
 use super::prepared::{PreparedRay, larger, smaller};
 use super::sink::Sink;
-use crate::tree::{Packed, TreeView};
+use crate::tree::{Inner, Nodes, Step};
 
 /// Deepest tree whose far children fit the stack in the frame; scenes measured so far end at depth 30 to 60.
 const SMALL_DEPTH: usize = 64;
@@ -28,53 +28,55 @@ struct Far {
 }
 
 /// Offers every triangle that the ray may hit to `sink`, nearer voxels first.
-pub(crate) fn traverse(tree: TreeView<'_>, depth: u32, ray: &PreparedRay, sink: &mut impl Sink) {
+pub(crate) fn traverse(nodes: impl Nodes, depth: u32, ray: &PreparedRay, sink: &mut impl Sink) {
     match ray.shear.axes[2] {
-        0 => along::<0>(tree, depth, ray, sink),
-        1 => along::<1>(tree, depth, ray, sink),
-        _ => along::<2>(tree, depth, ray, sink),
+        0 => along::<0>(nodes, depth, ray, sink),
+        1 => along::<1>(nodes, depth, ray, sink),
+        _ => along::<2>(nodes, depth, ray, sink),
     }
 }
 
-fn along<const Z: usize>(tree: TreeView<'_>, depth: u32, ray: &PreparedRay, sink: &mut impl Sink) {
+fn along<const Z: usize>(nodes: impl Nodes, depth: u32, ray: &PreparedRay, sink: &mut impl Sink) {
     if depth as usize <= SMALL_DEPTH {
-        walk::<Z>(tree, ray, sink, &mut [Far::default(); SMALL_DEPTH]);
+        walk::<Z>(nodes, ray, sink, &mut [Far::default(); SMALL_DEPTH]);
     } else {
-        walk::<Z>(tree, ray, sink, &mut vec![Far::default(); depth as usize]);
+        walk::<Z>(nodes, ray, sink, &mut vec![Far::default(); depth as usize]);
     }
 }
 
 #[inline(always)]
-fn walk<const Z: usize>(tree: TreeView<'_>, ray: &PreparedRay, sink: &mut impl Sink, stack: &mut [Far]) {
+fn walk<const Z: usize>(nodes: impl Nodes, ray: &PreparedRay, sink: &mut impl Sink, stack: &mut [Far]) {
     let mut top = 0;
-    let mut node = tree.node(0);
+    let mut at = 0;
     let (mut enter, mut exit) = (ray.enter, ray.exit);
     loop {
-        while !node.is_leaf() {
-            let axis = node.axis();
-            let children = node.pointer();
-            if node.has_t_reference() {
-                let triangle = tree.node(children + 2).triangle();
-                if ray.offer::<Z>(&tree.corners(triangle), triangle, sink) {
+        let leaf = loop {
+            let Inner { axis, split, left, stride, t_reference } = match nodes.node(at) {
+                Step::Inner(inner) => inner,
+                Step::Leaf(leaf) => break leaf,
+            };
+            if let Some(triangle) = t_reference {
+                if ray.offer::<Z>(&nodes.corners(triangle), triangle, sink) {
                     return;
                 }
                 exit = smaller(sink.limit() * ray.scale, exit);
             }
-            let middle = (node.split() - ray.shear.origin[axis]) * ray.inverse[axis];
+            let middle = (split - ray.origin[axis]) * ray.inverse[axis];
             let (first, last) = (middle - ray.slack[axis], middle + ray.slack[axis]);
-            let near = ray.near[axis];
+            let near = ray.near[axis] * stride;
+            let (near, far) = (left + near, left + (stride - near));
             if exit < first {
-                node = tree.node(children + near);
+                at = near;
             } else if last < enter {
-                node = tree.node(children + (near ^ 1));
+                at = far;
             } else {
-                stack[top] = Far { node: children + (near ^ 1), enter: larger(first, enter), exit };
+                stack[top] = Far { node: far, enter: larger(first, enter), exit };
                 top += 1;
-                node = tree.node(children + near);
+                at = near;
                 exit = smaller(last, exit);
             }
-        }
-        if test_leaf::<Z>(tree, ray, node, sink) {
+        };
+        if nodes.triangles(leaf, |id| ray.offer::<Z>(&nodes.corners(id), id, sink)) {
             return;
         }
         let limit = sink.limit() * ray.scale;
@@ -85,37 +87,11 @@ fn walk<const Z: usize>(tree: TreeView<'_>, ray: &PreparedRay, sink: &mut impl S
             top -= 1;
             let far = stack[top];
             if far.enter <= limit {
-                node = tree.node(far.node);
+                at = far.node;
                 enter = far.enter;
                 exit = smaller(limit, far.exit);
                 break;
             }
         }
     }
-}
-
-#[inline(always)]
-fn test_leaf<const Z: usize>(
-    tree: TreeView<'_>,
-    ray: &PreparedRay,
-    node: Packed,
-    sink: &mut impl Sink,
-) -> bool {
-    let first = node.pointer();
-    if node.is_2byte() {
-        let upper = node.upper();
-        for &lower in tree.indices_2byte(first, node.count_2byte()) {
-            let id = upper | u32::from(lower);
-            if ray.offer::<Z>(&tree.corners(id), id, sink) {
-                return true;
-            }
-        }
-    } else {
-        for &id in tree.indices_4byte(first, node.count_4byte()) {
-            if ray.offer::<Z>(&tree.corners(id), id, sink) {
-                return true;
-            }
-        }
-    }
-    false
 }

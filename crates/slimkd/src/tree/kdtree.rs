@@ -1,12 +1,11 @@
 //! The tree that users hold.
 
-use super::encode::{Encoded, encode};
 use super::statistics::TreeStatistics;
-use super::{MemoryReport, TreeView, walk};
-use crate::build::{BuildError, BuildOptions, Builder, Progress};
+use super::{Encoded, MemoryReport, Nodes, dense, plain, walk, with_nodes};
+use crate::build::{BuildError, BuildOptions, Builder, Layout, Plan, Progress};
 use crate::geometry::{Aabb, Ray, TriangleMesh};
 use crate::reduce::reduce;
-use crate::traverse::{All, Any, Closest, Hit, InstructionSet, PreparedRay, traverse};
+use crate::traverse::{All, Any, Closest, Hit, InstructionSet, PreparedRay, Sink, traverse};
 use std::sync::Arc;
 
 /// An SAH kd-tree over a mesh that it shares by [`Arc`]. Immutable, `Send + Sync`: trace from any number of threads.
@@ -80,28 +79,36 @@ impl KdTree {
         drop(triangles);
         let plan = reduce(plan, bounds, &builder, options)?;
         drop(builder);
-        let encoded = encode(&plan, options.two_byte_leaves)?;
+        let encoded = encode(&plan, &bounds, mesh.len(), options.layout)?;
         drop(plan);
-        let depth = walk::max_depth(&encoded);
-        progress.finish();
         let options = BuildOptions { threads: None, ..options.clone() };
         let instruction_set = InstructionSet::best();
-        Ok(Self { mesh, options, bounds, encoded, depth, degenerate, instruction_set })
+        let mut tree = Self { mesh, options, bounds, encoded, depth: 0, degenerate, instruction_set };
+        tree.depth = walk::max_depth(&tree);
+        progress.finish();
+        Ok(tree)
+    }
+
+    /// Offers every triangle that the ray may hit to `sink`, nearer voxels first. An invalid ray offers nothing.
+    fn offer_all(&self, ray: &Ray, sink: &mut impl Sink) {
+        with_nodes!(self, nodes => {
+            if let Some(prepared) = PreparedRay::new(ray, &self.bounds, &nodes.planes()) {
+                traverse(nodes, self.depth, &prepared, sink);
+            }
+        });
     }
 
     /// The nearest hit in `[t_min, t_max]`; equal t goes to the lowest id.
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        let prepared = PreparedRay::new(ray, &self.bounds)?;
         let mut sink = Closest::new(ray.t_max);
-        traverse(TreeView::new(self), self.depth, &prepared, &mut sink);
+        self.offer_all(ray, &mut sink);
         sink.into_hit()
     }
 
     /// Whether anything is hit in `[t_min, t_max]`. Cheaper than [`KdTree::closest_hit`]: it ends at the first hit.
     pub fn any_hit(&self, ray: &Ray) -> bool {
-        let Some(prepared) = PreparedRay::new(ray, &self.bounds) else { return false };
         let mut sink = Any { found: false, t_max: ray.t_max };
-        traverse(TreeView::new(self), self.depth, &prepared, &mut sink);
+        self.offer_all(ray, &mut sink);
         sink.found
     }
 
@@ -115,9 +122,8 @@ impl KdTree {
     /// [`KdTree::all_hits`] into a buffer that the caller reuses; what was in it is dropped.
     pub fn all_hits_into(&self, ray: &Ray, hits: &mut Vec<Hit>) {
         hits.clear();
-        let Some(prepared) = PreparedRay::new(ray, &self.bounds) else { return };
         let mut sink = All { hits, t_max: ray.t_max };
-        traverse(TreeView::new(self), self.depth, &prepared, &mut sink);
+        self.offer_all(ray, &mut sink);
         hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
         hits.dedup_by_key(|hit| hit.triangle);
     }
@@ -168,14 +174,25 @@ impl KdTree {
 
     /// Its size, exact to the byte.
     pub fn memory(&self) -> MemoryReport {
-        let t_references = walk::t_references(&self.encoded);
-        let encoded = &self.encoded;
-        MemoryReport {
-            nodes: 8 * (encoded.nodes.len() as u64 - t_references),
-            t_references: 8 * t_references,
-            indices: 4 * encoded.indices_4byte.len() as u64 + 2 * encoded.indices_2byte.len() as u64,
-            mesh: self.mesh.memory_bytes(),
-            ..MemoryReport::default()
+        let mesh = self.mesh.memory_bytes();
+        match &self.encoded {
+            Encoded::Plain(plain) => {
+                let t_references = walk::t_references(self);
+                MemoryReport {
+                    nodes: 8 * (plain.nodes.len() as u64 - t_references),
+                    t_references: 8 * t_references,
+                    indices: 4 * plain.indices_4byte.len() as u64 + 2 * plain.indices_2byte.len() as u64,
+                    mesh,
+                    ..MemoryReport::default()
+                }
+            }
+            Encoded::Dense(dense) => MemoryReport {
+                nodes: dense.bytes.len() as u64 - dense.index_bytes - dense.padding(),
+                indices: dense.index_bytes,
+                other: dense.padding(),
+                mesh,
+                ..MemoryReport::default()
+            },
         }
     }
 
@@ -183,4 +200,15 @@ impl KdTree {
     pub fn statistics(&self) -> TreeStatistics {
         walk::statistics(self)
     }
+}
+
+/// The plan's bytes in the layout asked for; plain where the dense layout cannot hold it.
+fn encode(plan: &Plan, bounds: &Aabb, triangles: usize, layout: Layout) -> Result<Encoded, BuildError> {
+    if layout == Layout::Dense
+        && plan.hoisted.is_empty()
+        && let Some(dense) = dense::encode(plan, bounds, triangles)?
+    {
+        return Ok(Encoded::Dense(dense));
+    }
+    Ok(Encoded::Plain(plain::encode(plan, layout != Layout::FourByte)?))
 }

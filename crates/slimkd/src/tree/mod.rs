@@ -1,17 +1,23 @@
 //! The finished tree: its bytes, its size, its shape.
 
-mod encode;
+mod dense;
 mod file;
 mod kdtree;
-mod layout;
 mod memory;
+mod nodes;
+mod plain;
 mod statistics;
-mod view;
 mod walk;
 
 pub use file::FileError;
 pub use kdtree::KdTree;
-pub(crate) use layout::Packed;
 pub use memory::MemoryReport;
+pub(crate) use nodes::{Inner, Nodes, Step, View, with_nodes};
 pub use statistics::{LeafReferences, NodeCounts, TreeStatistics};
-pub(crate) use view::TreeView;
+
+/// A tree's bytes in its layout.
+#[derive(Clone, Debug)]
+enum Encoded {
+    Plain(plain::Plain),
+    Dense(dense::Dense),
+}

@@ -20,8 +20,26 @@ pub struct LeafReferences {
     pub four_byte: u64,
     /// In 2-byte mode.
     pub two_byte: u64,
-    /// In any other mode.
+    /// In any other mode: the dense layout's byte codes.
     pub other: u64,
+}
+
+/// How a leaf writes its ids.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LeafMode {
+    FourByte,
+    TwoByte,
+    Coded,
+}
+
+impl LeafReferences {
+    pub(super) fn of(&mut self, mode: LeafMode) -> &mut u64 {
+        match mode {
+            LeafMode::FourByte => &mut self.four_byte,
+            LeafMode::TwoByte => &mut self.two_byte,
+            LeafMode::Coded => &mut self.other,
+        }
+    }
 }
 
 /// What a tree looks like.

@@ -1,7 +1,7 @@
 //! Meshes and rays that several tests use.
 #![allow(dead_code, unreachable_pub)] // each test file uses its own part
 
-use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Preset, Ray, TriangleMesh};
+use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Layout, Preset, Ray, TriangleMesh};
 
 /// Every preset, and each option that changes what a tree looks like.
 pub fn variants() -> Vec<(String, BuildOptions)> {
@@ -25,6 +25,14 @@ pub fn variants() -> Vec<(String, BuildOptions)> {
         }
         out.push((preset.name().to_string(), plain));
     }
+    for layout in [Layout::FourByte, Layout::TwoByte] {
+        let mut slim = BuildOptions::from(Preset::Slim);
+        slim.layout = layout;
+        out.push((format!("slim, {layout:?}"), slim));
+    }
+    let mut dense = BuildOptions::from(Preset::Standard);
+    dense.layout = Layout::Dense;
+    out.push(("standard, dense".into(), dense));
     let mut boxed = BuildOptions::default();
     boxed.clipping = Clipping::Box;
     out.push(("standard, box clipping".into(), boxed));

@@ -1,8 +1,8 @@
 //! Arrays as little-endian bytes, out of and into memory without a second copy.
 
-use super::super::layout::Packed;
 use super::table::Entry;
 use super::{FileError, damaged};
+use crate::tree::plain::Packed;
 use std::borrow::Cow;
 use std::io::{ErrorKind, Read};
 use xxhash_rust::xxh3::Xxh3;
@@ -11,27 +11,27 @@ use xxhash_rust::xxh3::Xxh3;
 /// at the file's end instead of memory's.
 const STEP: usize = 1 << 22;
 
-/// What arrays hold: words of [`Plain::WORD`] bytes, in the machine's order.
-pub(super) trait Plain: bytemuck::Pod {
+/// What arrays hold: words of [`Words::WORD`] bytes, in the machine's order.
+pub(super) trait Words: bytemuck::Pod {
     const WORD: usize;
 }
 
-impl Plain for u8 {
+impl Words for u8 {
     const WORD: usize = 1;
 }
-impl Plain for u16 {
+impl Words for u16 {
     const WORD: usize = 2;
 }
-impl Plain for u32 {
+impl Words for u32 {
     const WORD: usize = 4;
 }
-impl Plain for [u32; 3] {
+impl Words for [u32; 3] {
     const WORD: usize = 4;
 }
-impl Plain for [f32; 3] {
+impl Words for [f32; 3] {
     const WORD: usize = 4;
 }
-impl Plain for Packed {
+impl Words for Packed {
     const WORD: usize = 8;
 }
 
@@ -43,7 +43,7 @@ fn swap(bytes: &mut [u8], word: usize) {
 }
 
 /// The items as the file has them.
-pub(super) fn le_bytes<T: Plain>(items: &[T]) -> Cow<'_, [u8]> {
+pub(super) fn le_bytes<T: Words>(items: &[T]) -> Cow<'_, [u8]> {
     let mut bytes = Cow::Borrowed(bytemuck::cast_slice(items));
     if cfg!(target_endian = "big") {
         swap(bytes.to_mut(), T::WORD);
@@ -76,7 +76,7 @@ impl<'a, R: Read> Section<'a, R> {
     }
 
     /// All items, once their checksum is right.
-    pub(super) fn read<T: Plain>(mut self) -> Result<Vec<T>, FileError> {
+    pub(super) fn read<T: Words>(mut self) -> Result<Vec<T>, FileError> {
         let size = size_of::<T>() as u64;
         if !self.entry.length.is_multiple_of(size) {
             return damaged(format!("section {} ends within an item", self.entry.kind.0));

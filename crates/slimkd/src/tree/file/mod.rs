@@ -28,11 +28,11 @@ mod sections;
 mod shape;
 mod table;
 
-use super::encode::Encoded;
 use super::{KdTree, walk};
 use crate::geometry::{MeshError, TriangleMesh};
 use crate::traverse::InstructionSet;
 use bytes::{Section, le_bytes};
+use sections::Parts;
 use shape::Shape;
 use std::io::{Read, Write};
 use std::sync::Arc;
@@ -98,7 +98,7 @@ impl From<MeshError> for FileError {
     }
 }
 
-fn damaged<T>(what: impl Into<String>) -> Result<T, FileError> {
+pub(super) fn damaged<T>(what: impl Into<String>) -> Result<T, FileError> {
     Err(FileError::Damaged(what.into()))
 }
 
@@ -184,7 +184,7 @@ fn read(from: &mut impl Read, given: Option<Arc<TriangleMesh>>) -> Result<KdTree
     let mut position = table.end();
     let (mut build_options, mut shape) = (None, None);
     let (mut vertices, mut triangles) = (None::<Vec<[f32; 3]>>, None::<Vec<[u32; 3]>>);
-    let mut encoded = Encoded::default();
+    let mut parts = Parts::default();
     for entry in &table.entries {
         let section = Section::start(from, &mut position, entry)?;
         match entry.kind {
@@ -197,7 +197,7 @@ fn read(from: &mut impl Read, given: Option<Arc<TriangleMesh>>) -> Result<KdTree
             Kind::VERTICES if given.is_none() => vertices = Some(section.read()?),
             Kind::TRIANGLES if given.is_none() => triangles = Some(section.read()?),
             Kind::VERTICES | Kind::TRIANGLES => section.skip()?,
-            _ => sections::take(&mut encoded, section)?,
+            _ => sections::take(&mut parts, section)?,
         }
     }
     if from.read(&mut [0])? != 0 {
@@ -215,24 +215,25 @@ fn read(from: &mut impl Read, given: Option<Arc<TriangleMesh>>) -> Result<KdTree
         _ => return damaged("half of its mesh is missing"),
     };
     shape.check_mesh(&mesh)?;
-    let depth = walk::validate(&encoded, mesh.len())?;
     let (valid, bounds) = mesh.valid_triangles();
+    let (encoded, depth) = parts.prove(&bounds, mesh.len())?;
     shape.check_facts(&mesh, valid.len(), &bounds, depth)?;
-    check_references(&encoded, &valid, mesh.len())?;
     let degenerate = (mesh.len() - valid.len()) as u64;
     let instruction_set = InstructionSet::best();
-    Ok(KdTree { mesh, options: build_options, bounds, encoded, depth, degenerate, instruction_set })
+    let tree = KdTree { mesh, options: build_options, bounds, encoded, depth, degenerate, instruction_set };
+    check_references(&tree, &valid)?;
+    Ok(tree)
 }
 
 /// Proves that the tree names every triangle of `valid` and no other.
-fn check_references(encoded: &Encoded, valid: &[u32], triangles: usize) -> Result<(), FileError> {
+fn check_references(tree: &KdTree, valid: &[u32]) -> Result<(), FileError> {
     const DEGENERATE: u8 = 0;
     const MISSING: u8 = 1;
     const SEEN: u8 = 2;
-    let mut state = vec![DEGENERATE; triangles];
+    let mut state = vec![DEGENERATE; tree.mesh.len()];
     valid.iter().for_each(|&id| state[id as usize] = MISSING);
     let mut wrong = false;
-    walk::for_each_reference(encoded, |id| {
+    walk::for_each_reference(tree, |id| {
         let state = &mut state[id as usize];
         wrong |= *state == DEGENERATE;
         *state = SEEN;

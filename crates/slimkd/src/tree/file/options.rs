@@ -1,6 +1,6 @@
 //! Build options as bytes: the preset's name, then 4-byte words. The thread count leaves no trace.
 
-use crate::build::{BuildOptions, Clipping, Preset};
+use crate::build::{BuildOptions, Clipping, Layout, Preset};
 use crate::reduce::{CountedLeaves, HoistAlgorithm, Hoisting, OccupancyBase, WhenLeafRemains};
 
 /// Longest block, bytes: a name and 15 words are far below.
@@ -23,7 +23,7 @@ pub(super) fn put(options: &BuildOptions) -> Vec<u8> {
         sah.empty_bonus.to_bits(),
         options.leaf_at_most,
         clipping,
-        options.two_byte_leaves.into(),
+        options.layout as u32,
         options.collapse.into(),
         options.byte_weight.to_bits(),
         options.hoisting.is_some().into(),
@@ -60,7 +60,7 @@ pub(super) fn get(block: &[u8]) -> Option<BuildOptions> {
             empty_bonus,
             leaf_at_most,
             clipping,
-            two_byte,
+            layout,
             collapse,
             byte_weight,
             hoists,
@@ -77,7 +77,12 @@ pub(super) fn get(block: &[u8]) -> Option<BuildOptions> {
         u32::MAX => Clipping::Box,
         least => Clipping::ExactFrom(least),
     };
-    options.two_byte_leaves = choose(two_byte)?;
+    options.layout = match layout {
+        0 => Layout::FourByte,
+        1 => Layout::TwoByte,
+        2 => Layout::Dense,
+        _ => return None,
+    };
     options.collapse = choose(collapse)?;
     options.byte_weight = f32::from_bits(byte_weight);
     options.hoisting = match (choose(hoists)?, rest) {

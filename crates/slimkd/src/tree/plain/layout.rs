@@ -18,7 +18,7 @@
 //!
 //! Deviation: the slides show the field widths of the 2-byte leaf only; the rest of the order is ours.
 
-use super::FileError;
+use crate::tree::FileError;
 
 /// Entries that the 29-bit pointers can address: nodes, 4-byte indices, 2-byte indices.
 pub(crate) const POINTER_LIMIT: u64 = 1 << 29;

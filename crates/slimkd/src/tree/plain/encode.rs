@@ -1,15 +1,8 @@
-//! From a plan to bytes.
+//! From a plan to 8-byte nodes.
 
+use super::Plain;
 use super::layout::{COUNT_LIMIT_2BYTE, COUNT_LIMIT_4BYTE, Node, POINTER_LIMIT, Packed};
 use crate::build::{BuildError, Plan, PlanNode};
-
-/// The encoded tree: one array of nodes and T-references, and the leaves' indices in their two modes.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Encoded {
-    pub(crate) nodes: Vec<Packed>,
-    pub(crate) indices_4byte: Vec<u32>,
-    pub(crate) indices_2byte: Vec<u16>,
-}
 
 /// Whether a leaf of these ids can use the 2-byte mode: they share their upper 16 bits and H can count them.
 fn shared_upper(ids: &[u32]) -> Option<u32> {
@@ -18,7 +11,7 @@ fn shared_upper(ids: &[u32]) -> Option<u32> {
 }
 
 /// Encodes a plan; `two_byte` allows the 2-byte leaf mode.
-pub(crate) fn encode(plan: &Plan, two_byte: bool) -> Result<Encoded, BuildError> {
+pub(in crate::tree) fn encode(plan: &Plan, two_byte: bool) -> Result<Plain, BuildError> {
     let total = plan.nodes.len() + plan.hoisted.len();
     check("nodes", total as u64, POINTER_LIMIT)?;
     let leaf_ids = |first: u32, count: u32| &plan.references[first as usize..(first + count) as usize];
@@ -33,7 +26,7 @@ pub(crate) fn encode(plan: &Plan, two_byte: bool) -> Result<Encoded, BuildError>
     check("4-byte references", wide, POINTER_LIMIT)?;
     check("2-byte references", narrow, POINTER_LIMIT)?;
 
-    let mut out = Encoded {
+    let mut out = Plain {
         nodes: Vec::with_capacity(total),
         indices_4byte: Vec::with_capacity(wide as usize),
         indices_2byte: Vec::with_capacity(narrow as usize),

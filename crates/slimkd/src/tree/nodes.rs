@@ -1,0 +1,100 @@
+//! What walks and kernels see of a tree, whatever its layout.
+
+use super::dense::DenseView;
+use super::plain::PlainView;
+use super::statistics::LeafMode;
+use super::{Encoded, KdTree};
+use crate::geometry::TriangleMesh;
+use crate::traverse::Planes;
+
+/// One node.
+#[derive(Clone, Copy)]
+pub(crate) enum Step<L> {
+    Inner(Inner),
+    Leaf(L),
+}
+
+/// An inner node. The right child stands `stride` behind the left one.
+#[derive(Clone, Copy)]
+pub(crate) struct Inner {
+    pub(crate) axis: usize,
+    /// In the layout's plane coordinates, see [`Planes`].
+    pub(crate) split: f32,
+    pub(crate) left: u32,
+    pub(crate) stride: u32,
+    pub(crate) t_reference: Option<u32>,
+}
+
+/// A proven tree: every address that comes from it can be read without bounds checks. The root's is 0.
+///
+/// A [`KdTree`] comes only from an encoder, whose output holds by construction, or from a file, which is proved on reading.
+/// None of it can change afterwards. Leaving the checks out and making the ray's axis a constant took a sixth off every
+/// ray together.
+pub(crate) trait Nodes: Copy {
+    type Leaf: Copy;
+
+    /// Decodes the node at an address of this tree.
+    fn node(self, address: u32) -> Step<Self::Leaf>;
+
+    /// Calls `visit` for the leaf's triangles, ascending, until it says `true`; says whether it did.
+    fn triangles(self, leaf: Self::Leaf, visit: impl FnMut(u32) -> bool) -> bool;
+
+    /// How the leaf's ids are written.
+    fn mode(leaf: Self::Leaf) -> LeafMode;
+
+    /// The corners of a triangle that this tree names.
+    fn corners(self, triangle: u32) -> [[f32; 3]; 3];
+
+    /// The coordinates of its split planes.
+    fn planes(self) -> Planes;
+}
+
+/// The mesh behind a proven tree.
+#[derive(Clone, Copy)]
+pub(super) struct MeshView<'a> {
+    triangles: &'a [[u32; 3]],
+    vertices: &'a [[f32; 3]],
+}
+
+impl<'a> MeshView<'a> {
+    pub(super) fn new(mesh: &'a TriangleMesh) -> Self {
+        Self { triangles: mesh.triangles(), vertices: mesh.vertices() }
+    }
+
+    /// Corners of a triangle that a proven tree names.
+    #[inline(always)]
+    pub(super) fn corners(self, triangle: u32) -> [[f32; 3]; 3] {
+        debug_assert!((triangle as usize) < self.triangles.len());
+        // SAFETY: a proven tree names existing triangles only, and the mesh's vertex indices were checked when it was made.
+        unsafe {
+            self.triangles.get_unchecked(triangle as usize).map(|v| *self.vertices.get_unchecked(v as usize))
+        }
+    }
+}
+
+/// A tree's view in its own layout: what every query dispatches on, once.
+pub(crate) enum View<'a> {
+    Plain(PlainView<'a>),
+    Dense(DenseView<'a>),
+}
+
+impl<'a> View<'a> {
+    pub(crate) fn new(tree: &'a KdTree) -> Self {
+        let mesh = MeshView::new(&tree.mesh);
+        match &tree.encoded {
+            Encoded::Plain(plain) => Self::Plain(PlainView::new(plain, mesh)),
+            Encoded::Dense(dense) => Self::Dense(DenseView::new(dense, mesh)),
+        }
+    }
+}
+
+/// Runs `$body` with `$nodes` bound to the tree's view, whichever layout it has.
+macro_rules! with_nodes {
+    ($tree:expr, $nodes:ident => $body:expr) => {
+        match $crate::tree::View::new($tree) {
+            $crate::tree::View::Plain($nodes) => $body,
+            $crate::tree::View::Dense($nodes) => $body,
+        }
+    };
+}
+pub(crate) use with_nodes;

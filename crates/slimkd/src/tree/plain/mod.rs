@@ -1,0 +1,19 @@
+//! The plain layout: the paper's 8-byte nodes and its two leaf modes.
+
+mod encode;
+mod layout;
+mod validate;
+mod view;
+
+pub(super) use encode::encode;
+pub(crate) use layout::Packed;
+pub(super) use validate::validate;
+pub(crate) use view::PlainView;
+
+/// The encoded tree: one array of nodes and T-references, and the leaves' indices in their two modes.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Plain {
+    pub(super) nodes: Vec<Packed>,
+    pub(super) indices_4byte: Vec<u32>,
+    pub(super) indices_2byte: Vec<u16>,
+}
