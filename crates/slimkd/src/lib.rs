@@ -26,6 +26,17 @@
 //! tree: every preset and thread count gives the same hit to the last bit, [`BruteForce`] too. Equal `t` goes to the
 //! lowest id. Collinear triangles and those with a NaN or infinite corner keep their id and never hit.
 //!
+//! # Beyond the nearest hit
+//!
+//! [`KdTree::any_hit`], [`KdTree::all_hits`]; with a filter, a mask or without the triangle that a ray starts on
+//! ([`KdTree::closest_hit_where`], [`KdTree::closest_hit_except`]); the nearest point of the mesh
+//! ([`KdTree::closest_point`]); t, u, v in f64 ([`TriangleMesh::refine`]).
+//!
+//! # Keeping a tree
+//!
+//! [`KdTree::save`] and [`KdTree::load`], or [`KdTree::write`] and [`KdTree::read`] for any stream, with or without the
+//! mesh. Reading proves the whole file.
+//!
 //! # How small, how fast
 //!
 //! [`Preset`] names points of one [`BuildOptions`]: [`Preset::Slim`], the default, is as fast as [`Preset::Standard`] at a
@@ -48,7 +59,7 @@ pub mod traverse;
 pub mod tree;
 
 pub use build::{BuildError, BuildOptions, Clipping, Layout, Preset, Progress, SahConstants};
-pub use geometry::{Aabb, MeshError, Ray, TriangleMesh};
+pub use geometry::{Aabb, MeshError, Ray, RefinedHit, TriangleMesh};
 pub use reduce::{CountedLeaves, HoistAlgorithm, Hoisting, OccupancyBase, WhenLeafRemains};
-pub use traverse::{BruteForce, Hit, InstructionSet};
+pub use traverse::{BruteForce, ClosestPoint, Hit, InstructionSet};
 pub use tree::{FileError, KdTree, MemoryReport, TreeStatistics};

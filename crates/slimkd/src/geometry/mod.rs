@@ -1,11 +1,15 @@
 //! Points, rays, boxes, triangles and the indexed mesh that a tree is built over.
 
 mod aabb;
+mod closest_point;
 mod intersect;
 mod mesh;
 mod ray;
+mod refine;
 
 pub use aabb::Aabb;
+pub(crate) use closest_point::{Nearest, nearest_on_triangle};
 pub(crate) use intersect::{Intersection, Shear, is_degenerate};
 pub use mesh::{MeshError, TriangleMesh};
 pub use ray::Ray;
+pub use refine::RefinedHit;

@@ -1,7 +1,8 @@
 //! The oracle: every query by testing every triangle.
 
-use super::sink::{All, Any, Closest, Sink};
-use super::{Hit, Planes, PreparedRay};
+use super::nearest::search_all;
+use super::sink::{All, Any, Closest, Sink, sort_hits};
+use super::{ClosestPoint, Filtered, Hit, Planes, PreparedRay, Search};
 use crate::geometry::{Aabb, Ray, TriangleMesh};
 
 /// Answers queries without a tree, in O(triangles). What it says is what every tree must say, to the last bit.
@@ -46,8 +47,22 @@ impl<'a> BruteForce<'a> {
     pub fn all_hits(&self, ray: &Ray) -> Vec<Hit> {
         let mut hits = Vec::new();
         self.offer_all(ray, &mut All { hits: &mut hits, t_max: ray.t_max });
-        hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
+        sort_hits(&mut hits);
         hits
+    }
+
+    /// As [`crate::KdTree::closest_hit_where`].
+    pub fn closest_hit_where(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> Option<Hit> {
+        let mut sink = Filtered { sink: Closest::new(ray.t_max), accept };
+        self.offer_all(ray, &mut sink);
+        sink.sink.into_hit()
+    }
+
+    /// As [`crate::KdTree::closest_point`].
+    pub fn closest_point(&self, point: impl Into<[f32; 3]>, max_distance: f32) -> Option<ClosestPoint> {
+        let mut search = Search::new(point.into(), max_distance, &self.bounds)?;
+        search_all(self.mesh, &self.triangles, &mut search);
+        search.into_closest()
     }
 
     fn offer_all(&self, ray: &Ray, sink: &mut impl Sink) {

@@ -40,6 +40,12 @@ impl Planes {
     /// Exact planes in scene units.
     pub(crate) const WORLD: Self = Self { low: [0.0; 3], scale: [1.0; 3], shift: 0.0, cell: [0.0; 3] };
 
+    /// A plane in scene units, and how far it may stand from where it was chosen.
+    pub(crate) fn exact(&self, axis: usize, split: f32) -> (f64, f64) {
+        let place = (f64::from(split) - f64::from(self.shift)) / f64::from(self.scale[axis]);
+        (place + f64::from(self.low[axis]), self.cell[axis].into())
+    }
+
     /// A plane in scene units.
     pub(crate) fn world(&self, axis: usize, split: f32) -> f32 {
         (split - self.shift) / self.scale[axis] + self.low[axis]

@@ -62,6 +62,12 @@ impl Sink for Any {
     }
 }
 
+/// Hits by (t, id), each triangle once: what it was met in twice is the same hit.
+pub(crate) fn sort_hits(hits: &mut Vec<Hit>) {
+    hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
+    hits.dedup_by_key(|hit| hit.triangle);
+}
+
 /// Every hit, as often as the triangle was met.
 pub(crate) struct All<'a> {
     pub(crate) hits: &'a mut Vec<Hit>,

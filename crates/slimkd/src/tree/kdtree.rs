@@ -5,7 +5,7 @@ use super::{Encoded, MemoryReport, Nodes, dense, plain, walk, with_nodes};
 use crate::build::{BuildError, BuildOptions, Builder, Layout, Plan, Progress};
 use crate::geometry::{Aabb, Ray, TriangleMesh};
 use crate::reduce::reduce;
-use crate::traverse::{All, Any, Closest, Hit, InstructionSet, PreparedRay, Sink, traverse};
+use crate::traverse::{All, Any, Closest, Hit, InstructionSet, PreparedRay, Sink, sort_hits, traverse};
 use std::sync::Arc;
 
 /// An SAH kd-tree over a mesh that it shares by [`Arc`]. Immutable, `Send + Sync`: trace from any number of threads.
@@ -90,7 +90,7 @@ impl KdTree {
     }
 
     /// Offers every triangle that the ray may hit to `sink`, nearer voxels first. An invalid ray offers nothing.
-    fn offer_all(&self, ray: &Ray, sink: &mut impl Sink) {
+    pub(super) fn offer_all(&self, ray: &Ray, sink: &mut impl Sink) {
         with_nodes!(self, nodes => {
             if let Some(prepared) = PreparedRay::new(ray, &self.bounds, &nodes.planes()) {
                 traverse(nodes, self.depth, &prepared, sink);
@@ -124,8 +124,7 @@ impl KdTree {
         hits.clear();
         let mut sink = All { hits, t_max: ray.t_max };
         self.offer_all(ray, &mut sink);
-        hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
-        hits.dedup_by_key(|hit| hit.triangle);
+        sort_hits(hits);
     }
 
     /// Closest hits of a batch, in its order.

@@ -6,6 +6,7 @@ mod kdtree;
 mod memory;
 mod nodes;
 mod plain;
+mod queries;
 mod statistics;
 mod walk;
 

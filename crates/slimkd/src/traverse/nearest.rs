@@ -1,0 +1,149 @@
+//! The point of the mesh that is nearest to a point: branch and bound over the voxels, nearer child first.
+//!
+//! Why the answer does not depend on the tree: a triangle's distance is decided by `geometry/closest_point.rs` alone, its
+//! error stays below 2⁻⁴⁸ of the distance to the farthest corner of the bounds, and a voxel is passed by only when it lies
+//! farther than the best by 2⁻⁴⁰ of that. The triangle's nearest point lies in a voxel whose leaf, or a node above it,
+//! holds the triangle, as every point of it does; a plane that its layout keeps coarsely counts as a cell nearer. Equal distances go to the lowest id.
+
+use crate::geometry::{Aabb, Nearest, TriangleMesh, nearest_on_triangle};
+use crate::tree::{Inner, Nodes, Step};
+
+/// The widening of voxels relative to the farthest corner of the bounds; derived in the module head.
+const SLACK: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// A point on the mesh.
+///
+/// ```
+/// use slimkd::{BuildOptions, KdTree, TriangleMesh};
+/// let mesh = TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+/// let tree = KdTree::build(mesh, &BuildOptions::default())?;
+/// let found = tree.closest_point([0.25, 0.5, 3.0], f32::INFINITY).unwrap();
+/// assert_eq!((found.point, found.distance, found.triangle), ([0.25, 0.5, 0.0], 3.0, 0));
+/// assert_eq!(tree.closest_point([0.25, 0.5, 3.0], 2.5), None);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClosestPoint {
+    /// Where it is, scene units, rounded once from f64.
+    pub point: [f32; 3],
+    /// How far that is, scene units, rounded once from f64.
+    pub distance: f32,
+    /// Barycentric weight of vertex 1.
+    pub u: f32,
+    /// Barycentric weight of vertex 2.
+    pub v: f32,
+    /// The triangle that it lies on.
+    pub triangle: u32,
+}
+
+/// The best so far.
+pub(crate) struct Search {
+    point: [f32; 3],
+    best: Nearest,
+    triangle: u32,
+    slack: f64,
+    /// Voxels whose squared distance is larger hold nothing better.
+    limit: f64,
+}
+
+impl Search {
+    /// `None` for a point or a distance that is not a number, and where there is no triangle.
+    pub(crate) fn new(point: [f32; 3], max_distance: f32, bounds: &Aabb) -> Option<Self> {
+        if !point.iter().all(|x| x.is_finite())
+            || max_distance.is_nan()
+            || max_distance < 0.0
+            || bounds.is_empty()
+        {
+            return None;
+        }
+        let reach = |k: usize| {
+            let at = f64::from(point[k]);
+            (f64::from(bounds.min[k]) - at).abs().max((f64::from(bounds.max[k]) - at).abs())
+        };
+        let slack = SLACK * (reach(0) + reach(1) + reach(2));
+        let square = f64::from(max_distance) * f64::from(max_distance);
+        let best = Nearest { square, offset: [0.0; 3], u: 0.0, v: 0.0 };
+        let mut search = Self { point, best, triangle: u32::MAX, slack, limit: 0.0 };
+        search.tighten();
+        Some(search)
+    }
+
+    fn tighten(&mut self) {
+        let distance = self.best.square.sqrt() + self.slack;
+        self.limit = distance * distance;
+    }
+
+    pub(crate) fn offer(&mut self, mesh_corners: &[[f32; 3]; 3], triangle: u32) {
+        let found = nearest_on_triangle(self.point, mesh_corners);
+        if found.square < self.best.square || (found.square == self.best.square && triangle < self.triangle) {
+            (self.best, self.triangle) = (found, triangle);
+            self.tighten();
+        }
+    }
+
+    pub(crate) fn into_closest(self) -> Option<ClosestPoint> {
+        let Nearest { square, offset, u, v } = self.best;
+        (self.triangle != u32::MAX).then(|| ClosestPoint {
+            point: std::array::from_fn(|k| (f64::from(self.point[k]) + offset[k]) as f32),
+            distance: square.sqrt() as f32,
+            u: u as f32,
+            v: v as f32,
+            triangle: self.triangle,
+        })
+    }
+}
+
+/// Every triangle that can be hit, one after the other: what the tree must say too.
+pub(crate) fn search_all(mesh: &TriangleMesh, triangles: &[u32], search: &mut Search) {
+    triangles.iter().for_each(|&id| search.offer(&mesh.corners(id), id));
+}
+
+/// A voxel to come back to.
+struct Far {
+    node: u32,
+    /// Distances to the voxel per axis.
+    apart: [f64; 3],
+}
+
+fn square(apart: [f64; 3]) -> f64 {
+    apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2]
+}
+
+/// Offers every triangle that may be nearest.
+pub(crate) fn search_tree(nodes: impl Nodes, depth: u32, bounds: &Aabb, search: &mut Search) {
+    let point = search.point.map(f64::from);
+    let planes = nodes.planes();
+    let apart = std::array::from_fn(|k| {
+        (f64::from(bounds.min[k]) - point[k]).max(point[k] - f64::from(bounds.max[k])).max(0.0)
+    });
+    let mut pending = Vec::with_capacity(depth as usize + 1);
+    pending.push(Far { node: 0, apart });
+    while let Some(Far { mut node, apart }) = pending.pop() {
+        if square(apart) > search.limit {
+            continue;
+        }
+        let leaf = loop {
+            let Inner { axis, split, left, stride, t_reference } = match nodes.node(node) {
+                Step::Inner(inner) => inner,
+                Step::Leaf(leaf) => break leaf,
+            };
+            if let Some(triangle) = t_reference {
+                search.offer(&nodes.corners(triangle), triangle);
+            }
+            let (place, cell) = planes.exact(axis, split);
+            let beyond = place - point[axis];
+            let near = if beyond < 0.0 { stride } else { 0 };
+            let mut far = apart;
+            far[axis] = far[axis].max(beyond.abs() - cell);
+            if square(far) <= search.limit {
+                pending.push(Far { node: left + (stride - near), apart: far });
+            }
+            // The near half is as far as the whole: its face that the point may be beside is the voxel's own.
+            node = left + near;
+        };
+        nodes.triangles(leaf, |id| {
+            search.offer(&nodes.corners(id), id);
+            false
+        });
+    }
+}
