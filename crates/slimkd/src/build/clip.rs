@@ -7,33 +7,51 @@
 
 use crate::geometry::Aabb;
 
-/// A triangle cut by six planes has at most nine corners.
-const MAX_CORNERS: usize = 9;
+/// A triangle cut by six planes has at most nine corners; one more is written and not counted.
+const MOST_CORNERS: usize = 10;
 
 /// A convex polygon without heap.
 #[derive(Clone, Copy)]
 struct Polygon {
-    corners: [[f64; 3]; MAX_CORNERS + 1],
+    corners: [[f64; 3]; MOST_CORNERS],
     len: usize,
 }
 
+/// Room for clipping, to be reused: clearing it for every triangle would cost as much as the clipping.
+pub(crate) struct Clipper {
+    polygon: Polygon,
+    other: Polygon,
+}
+
+impl Default for Clipper {
+    fn default() -> Self {
+        let polygon = Polygon { corners: [[0.0; 3]; MOST_CORNERS], len: 0 };
+        Self { polygon, other: polygon }
+    }
+}
+
 impl Polygon {
+    #[inline(always)]
     fn push(&mut self, corner: [f64; 3]) {
         // Rounding can never add corners beyond one a plane, but a wrong proof must not become a wrong index.
-        if self.len < self.corners.len() {
+        if self.len < MOST_CORNERS {
             self.corners[self.len] = corner;
             self.len += 1;
         }
     }
 
-    /// Keeps the part where `sign · (x[axis] − position) ≥ 0`.
-    fn clip(&self, axis: usize, position: f64, sign: f64) -> Self {
-        let mut out = Self { corners: [[0.0; 3]; MAX_CORNERS + 1], len: 0 };
-        let Some(mut previous) = self.len.checked_sub(1).map(|last| self.corners[last]) else { return out };
+    fn corners(&self) -> &[[f64; 3]] {
+        &self.corners[..self.len.min(MOST_CORNERS)]
+    }
+
+    /// Into `out`, the part where `sign · (x[axis] − position) ≥ 0`.
+    fn clip(&self, axis: usize, position: f64, sign: f64, out: &mut Self) {
+        out.len = 0;
+        let Some(&(mut previous)) = self.corners().last() else { return };
         let mut before = sign * (previous[axis] - position);
-        for &corner in &self.corners[..self.len] {
+        for &corner in self.corners() {
             let here = sign * (corner[axis] - position);
-            if (before < 0.0 && here > 0.0) || (before > 0.0 && here < 0.0) {
+            if crosses(before, here) {
                 out.push(crossing(previous, corner, axis, position));
             }
             if here >= 0.0 {
@@ -41,81 +59,123 @@ impl Polygon {
             }
             (previous, before) = (corner, here);
         }
-        out
+    }
+}
+
+/// Bounds that grow, f64.
+#[derive(Clone, Copy)]
+struct Bounds {
+    min: [f64; 3],
+    max: [f64; 3],
+}
+
+impl Bounds {
+    const EMPTY: Self = Self { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
+
+    #[inline(always)]
+    fn include(&mut self, corner: &[f64; 3]) {
+        for k in 0..3 {
+            // Not f64::min, whose care for NaN costs two more instructions.
+            self.min[k] = if corner[k] < self.min[k] { corner[k] } else { self.min[k] };
+            self.max[k] = if corner[k] > self.max[k] { corner[k] } else { self.max[k] };
+        }
     }
 
-    fn bounds(&self) -> ([f64; 3], [f64; 3]) {
-        let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for corner in &self.corners[..self.len] {
-            for k in 0..3 {
-                min[k] = min[k].min(corner[k]);
-                max[k] = max[k].max(corner[k]);
-            }
+    /// Rounded outwards to f32 and cut to the voxel; `None` when nothing was included.
+    fn rounded(&self, voxel: &Aabb) -> Option<Aabb> {
+        if self.min[0] > self.max[0] {
+            return None;
         }
-        (min, max)
+        Some(Aabb { min: self.min.map(round_down), max: self.max.map(round_up) }.cut_to(voxel))
     }
 }
 
 /// Where the edge crosses the plane. The same point whichever way the edge is walked, exact on the split axis and
 /// on axes along which the edge does not move.
+#[inline(always)]
 fn crossing(a: [f64; 3], b: [f64; 3], axis: usize, position: f64) -> [f64; 3] {
     let (a, b) = if a[axis] <= b[axis] { (a, b) } else { (b, a) };
     let s = (position - a[axis]) / (b[axis] - a[axis]);
-    let mut out: [f64; 3] = std::array::from_fn(|k| a[k] + s * (b[k] - a[k]));
+    let mut out = [0.0; 3];
+    for k in 0..3 {
+        out[k] = a[k] + s * (b[k] - a[k]);
+    }
     out[axis] = position;
     out
 }
 
-/// Bounds of the parts of a triangle in the two halves of `voxel`, split at `position` on `axis`. A part that is
-/// empty is `None`; never both.
-pub(crate) fn split_bounds(
-    corners: &[[f32; 3]; 3],
-    voxel: &Aabb,
-    axis: usize,
-    position: f32,
-) -> (Option<Aabb>, Option<Aabb>) {
-    let polygon = polygon_in(corners, voxel);
-    let (left_voxel, right_voxel) = voxel.split(axis, position);
-    let left = rounded_bounds(&polygon.clip(axis, position.into(), -1.0), &left_voxel);
-    let right = rounded_bounds(&polygon.clip(axis, position.into(), 1.0), &right_voxel);
-    if left.is_none() && right.is_none() {
-        // Rounding ate the triangle: it touches the voxel at most in a corner. Never lose it.
-        return (Some(left_voxel), Some(right_voxel));
-    }
-    (left, right)
+/// Whether an edge between corners at these signed distances crosses the plane.
+#[inline(always)]
+fn crosses(before: f64, here: f64) -> bool {
+    (before < 0.0 && here > 0.0) || (before > 0.0 && here < 0.0)
 }
 
-/// Bounds of what a voxel holds of a triangle that is in it.
-pub(crate) fn clipped_bounds(corners: &[[f32; 3]; 3], voxel: &Aabb) -> Aabb {
-    // Where rounding eats the triangle, the whole voxel is a safe answer.
-    rounded_bounds(&polygon_in(corners, voxel), voxel).unwrap_or(*voxel)
-}
-
-fn polygon_in(corners: &[[f32; 3]; 3], voxel: &Aabb) -> Polygon {
-    let mut polygon = Polygon { corners: [[0.0; 3]; MAX_CORNERS + 1], len: 3 };
-    for (to, from) in polygon.corners.iter_mut().zip(corners) {
-        *to = from.map(f64::from);
-    }
-    let (min, max) = polygon.bounds();
-    for k in 0..3 {
-        let (low, high) = (f64::from(voxel.min[k]), f64::from(voxel.max[k]));
-        if min[k] < low {
-            polygon = polygon.clip(k, low, 1.0);
+impl Clipper {
+    /// Bounds of the parts of a triangle in the two halves of `voxel`, split at `position` on `axis`. A part that is
+    /// empty is `None`; never both.
+    pub(crate) fn split_bounds(
+        &mut self,
+        corners: &[[f32; 3]; 3],
+        voxel: &Aabb,
+        axis: usize,
+        position: f32,
+    ) -> (Option<Aabb>, Option<Aabb>) {
+        self.load(corners, voxel);
+        let (mut left, mut right) = (Bounds::EMPTY, Bounds::EMPTY);
+        if let Some(&(mut previous)) = self.polygon.corners().last() {
+            let plane = f64::from(position);
+            let mut before = previous[axis] - plane;
+            for &corner in self.polygon.corners() {
+                let here = corner[axis] - plane;
+                if crosses(before, here) {
+                    let point = crossing(previous, corner, axis, plane);
+                    left.include(&point);
+                    right.include(&point);
+                }
+                if here <= 0.0 {
+                    left.include(&corner);
+                }
+                if here >= 0.0 {
+                    right.include(&corner);
+                }
+                (previous, before) = (corner, here);
+            }
         }
-        if max[k] > high {
-            polygon = polygon.clip(k, high, -1.0);
+        let (left_voxel, right_voxel) = voxel.split(axis, position);
+        match (left.rounded(&left_voxel), right.rounded(&right_voxel)) {
+            // Rounding ate the triangle: it touches the voxel at most in a corner. Never lose it.
+            (None, None) => (Some(left_voxel), Some(right_voxel)),
+            parts => parts,
         }
     }
-    polygon
-}
 
-/// Bounds rounded outwards to f32 and cut to the voxel.
-fn rounded_bounds(polygon: &Polygon, voxel: &Aabb) -> Option<Aabb> {
-    if polygon.len == 0 {
-        return None;
+    /// Bounds of what a voxel holds of a triangle that is in it.
+    pub(crate) fn bounds(&mut self, corners: &[[f32; 3]; 3], voxel: &Aabb) -> Aabb {
+        self.load(corners, voxel);
+        let mut bounds = Bounds::EMPTY;
+        self.polygon.corners().iter().for_each(|corner| bounds.include(corner));
+        // Where rounding eats the triangle, the whole voxel is a safe answer.
+        bounds.rounded(voxel).unwrap_or(*voxel)
     }
-    let (min, max) = polygon.bounds();
-    Some(Aabb { min: min.map(round_down), max: max.map(round_up) }.cut_to(voxel))
+
+    /// Cuts a triangle to the voxel.
+    fn load(&mut self, corners: &[[f32; 3]; 3], voxel: &Aabb) {
+        for (to, from) in self.polygon.corners.iter_mut().zip(corners) {
+            *to = from.map(f64::from);
+        }
+        self.polygon.len = 3;
+        for k in 0..3 {
+            let [a, b, c] = [corners[0][k], corners[1][k], corners[2][k]];
+            if a.min(b).min(c) < voxel.min[k] {
+                self.polygon.clip(k, voxel.min[k].into(), 1.0, &mut self.other);
+                std::mem::swap(&mut self.polygon, &mut self.other);
+            }
+            if a.max(b).max(c) > voxel.max[k] {
+                self.polygon.clip(k, voxel.max[k].into(), -1.0, &mut self.other);
+                std::mem::swap(&mut self.polygon, &mut self.other);
+            }
+        }
+    }
 }
 
 fn round_down(x: f64) -> f32 {
@@ -138,7 +198,7 @@ mod tests {
     #[test]
     fn a_diagonal_is_cut_tightly() {
         let corners = [[0.0, 0.0, 0.5], [1.0, 1.0, 0.5], [1.0, 0.0, 0.5]];
-        let (left, right) = split_bounds(&corners, &VOXEL, 0, 0.25);
+        let (left, right) = Clipper::default().split_bounds(&corners, &VOXEL, 0, 0.25);
         assert_eq!(left.unwrap(), Aabb { min: [0.0, 0.0, 0.5], max: [0.25, 0.25, 0.5] });
         assert_eq!(right.unwrap(), Aabb { min: [0.25, 0.0, 0.5], max: [1.0, 1.0, 0.5] });
     }
@@ -146,7 +206,7 @@ mod tests {
     #[test]
     fn a_wall_at_an_unround_coordinate_stays_flat() {
         let corners = [[-3.7, 0.1, -9.1], [5.3, 0.1, 0.7], [0.3, 0.1, 8.8]];
-        let (left, _) = split_bounds(&corners, &VOXEL, 2, 0.3);
+        let (left, _) = Clipper::default().split_bounds(&corners, &VOXEL, 2, 0.3);
         let left = left.unwrap();
         assert_eq!((left.min[1], left.max[1]), (0.1, 0.1));
     }
@@ -157,7 +217,7 @@ mod tests {
             corners in prop::array::uniform3(prop::array::uniform3(-2.0f32..3.0)),
             axis in 0usize..3, position in 0.01f32..0.99, s in 0.0f64..1.0, r in 0.0f64..1.0,
         ) {
-            let (left, right) = split_bounds(&corners, &VOXEL, axis, position);
+            let (left, right) = Clipper::default().split_bounds(&corners, &VOXEL, axis, position);
             let (s, r) = if s + r > 1.0 { (1.0 - s, 1.0 - r) } else { (s, r) };
             let point: [f64; 3] = std::array::from_fn(|k| {
                 let [a, b, c] = corners.map(|p| f64::from(p[k]));

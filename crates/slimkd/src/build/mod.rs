@@ -1,14 +1,18 @@
-//! From a mesh to a plan of the tree: events → sweep → partition → recursion.
+//! From a mesh to a plan of the tree: fragments → search → partition → recursion.
 
+mod bins;
 mod clip;
-mod event;
+mod fork;
+mod fragment;
 mod options;
+mod pairs;
 mod partition;
 mod plan;
 mod predict;
 mod progress;
 mod recursion;
 mod sah;
+mod search;
 mod sweep;
 
 pub use options::{BuildError, BuildOptions, Clipping, Layout, Preset, SahConstants};

@@ -43,12 +43,65 @@ impl VoxelSah {
 
     /// Cost of a split at `position` with `left` and `right` triangles in the children.
     #[inline(always)]
-    pub(crate) fn split(&self, axis: usize, position: f64, left: u32, right: u32) -> f64 {
-        let p_left = self.base[axis] + self.slope[axis] * (position - self.min[axis]);
-        let p_right = self.base[axis] + self.slope[axis] * (self.max[axis] - position);
+    pub(crate) fn split(&self, axis: usize, position: f64, left: i32, right: i32) -> f64 {
+        self.on(axis).split(position, left, right)
+    }
+
+    /// The same for one axis.
+    #[inline(always)]
+    pub(crate) fn on(&self, axis: usize) -> AxisSah {
+        AxisSah {
+            traversal: self.traversal,
+            intersection: self.intersection,
+            bonus: self.bonus,
+            min: self.min[axis],
+            max: self.max[axis],
+            base: self.base[axis],
+            slope: self.slope[axis],
+        }
+    }
+}
+
+/// SAH of a voxel's splits on one axis; small enough to stay in registers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AxisSah {
+    traversal: f64,
+    intersection: f64,
+    bonus: f64,
+    min: f64,
+    max: f64,
+    base: f64,
+    slope: f64,
+}
+
+impl AxisSah {
+    /// Cost of a split at `position` with `left` and `right` triangles in the children.
+    #[inline(always)]
+    pub(crate) fn split(&self, position: f64, left: i32, right: i32) -> f64 {
+        let cost = self.at(position, position, left, right);
+        cost * if (left == 0) | (right == 0) { self.bonus } else { 1.0 }
+    }
+
+    /// No split in `range` with at least these triangles in the children is cheaper, rounding included.
+    #[inline(always)]
+    pub(crate) fn least(&self, range: (f64, f64), left: i32, right: i32) -> f64 {
+        let cost = self.at(range.0, range.1, left, right);
+        cost * if (left == 0) | (right == 0) { self.bonus.min(1.0) } else { 1.0 }
+    }
+
+    /// No split in `range` with at most these triangles in the children is dearer, rounding included.
+    #[inline(always)]
+    pub(crate) fn most(&self, range: (f64, f64), left: i32, right: i32) -> f64 {
+        self.at(range.1, range.0, left, right) * self.bonus.max(1.0)
+    }
+
+    /// Cost of a left child up to one position and a right child from another.
+    #[inline(always)]
+    fn at(&self, left_to: f64, right_from: f64, left: i32, right: i32) -> f64 {
+        let p_left = self.base + self.slope * (left_to - self.min);
+        let p_right = self.base + self.slope * (self.max - right_from);
         let tests = p_left * f64::from(left) + p_right * f64::from(right);
-        let cost = self.traversal + self.intersection * tests;
-        if left == 0 || right == 0 { cost * self.bonus } else { cost }
+        self.traversal + self.intersection * tests
     }
 }
 
