@@ -31,6 +31,8 @@ pub(crate) struct Planes {
     pub(crate) low: [f32; 3],
     /// Powers of two.
     pub(crate) scale: [f32; 3],
+    /// Their reciprocals.
+    pub(crate) unscale: [f32; 3],
     pub(crate) shift: f32,
     /// How far a plane may stand from where it was chosen, scene units.
     pub(crate) cell: [f32; 3],
@@ -38,7 +40,8 @@ pub(crate) struct Planes {
 
 impl Planes {
     /// Exact planes in scene units.
-    pub(crate) const WORLD: Self = Self { low: [0.0; 3], scale: [1.0; 3], shift: 0.0, cell: [0.0; 3] };
+    pub(crate) const WORLD: Self =
+        Self { low: [0.0; 3], scale: [1.0; 3], unscale: [1.0; 3], shift: 0.0, cell: [0.0; 3] };
 
     /// A plane in scene units, and how far it may stand from where it was chosen.
     pub(crate) fn exact(&self, axis: usize, split: f32) -> (f64, f64) {
@@ -48,7 +51,7 @@ impl Planes {
 
     /// A plane in scene units.
     pub(crate) fn world(&self, axis: usize, split: f32) -> f32 {
-        (split - self.shift) / self.scale[axis] + self.low[axis]
+        (split - self.shift) * self.unscale[axis] + self.low[axis]
     }
 }
 
@@ -62,7 +65,7 @@ pub(crate) struct PreparedRay {
     pub(crate) inverse: [f32; 3],
     /// Half-widths of split planes along the ray, scaled units.
     pub(crate) slack: [f32; 3],
-    /// 1 where the ray descends on that axis: which child of a pair is near.
+    /// All ones where the ray descends on that axis, so that the right child is the near one; else 0.
     pub(crate) near: [u32; 3],
     /// Interval inside the bounds, scaled units.
     pub(crate) enter: f32,
@@ -98,7 +101,7 @@ impl PreparedRay {
             let d = if d.abs() < PARALLEL { PARALLEL.copysign(d) } else { d };
             inverse[k] = 1.0 / d;
             widths[k] = (slack + planes.cell[k]) * inverse[k].abs();
-            near[k] = u32::from(d < 0.0);
+            near[k] = if d < 0.0 { u32::MAX } else { 0 };
             let (low, high) =
                 ((bounds.min[k] - ray.origin[k]) * inverse[k], (bounds.max[k] - ray.origin[k]) * inverse[k]);
             let (first, last) = if d < 0.0 { (high, low) } else { (low, high) };
@@ -108,7 +111,7 @@ impl PreparedRay {
         (enter <= exit).then(|| Self {
             shear,
             origin: std::array::from_fn(|k| (ray.origin[k] - planes.low[k]) * planes.scale[k] + planes.shift),
-            inverse: std::array::from_fn(|k| inverse[k] * reciprocal(planes.scale[k])),
+            inverse: std::array::from_fn(|k| inverse[k] * planes.unscale[k]),
             slack: widths,
             near,
             enter,

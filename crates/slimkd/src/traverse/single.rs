@@ -63,7 +63,7 @@ fn walk<const Z: usize>(nodes: impl Nodes, ray: &PreparedRay, sink: &mut impl Si
             }
             let middle = (split - ray.origin[axis]) * ray.inverse[axis];
             let (first, last) = (middle - ray.slack[axis], middle + ray.slack[axis]);
-            let near = ray.near[axis] * stride;
+            let near = ray.near[axis] & stride;
             let (near, far) = (left + near, left + (stride - near));
             if exit < first {
                 at = near;

@@ -14,7 +14,7 @@ use super::word::LEAF;
 const GAP_PLUS_BYTE: u32 = 29;
 const GAP_2BYTE: u32 = 30;
 const GAP_4BYTE: u32 = 31;
-const LONGEST_RUN: usize = 8;
+pub(super) const LONGEST_RUN: usize = 8;
 /// Most bits of the count: they must lie in the first byte, which stands alone where a leaf is empty.
 const COUNT_BITS: u32 = 6;
 /// Triangles that a header can name.
@@ -107,8 +107,11 @@ fn write_code(out: &mut Vec<u8>, gap: u32, run: usize) {
 pub(super) fn read_code(bytes: u64) -> (u32, u32, u32) {
     let (run, field) = ((bytes as u32 & 7) + 1, bytes as u32 >> 3 & 31);
     let tail = (bytes >> 8) as u32;
+    // Nearly always the first: a branch that is foreseen lets the next code start before this one is known.
+    if field < GAP_PLUS_BYTE {
+        return (field, run, 1);
+    }
     match field {
-        0..GAP_PLUS_BYTE => (field, run, 1),
         GAP_PLUS_BYTE => (GAP_PLUS_BYTE + (tail & 0xff), run, 2),
         GAP_2BYTE => (tail & 0xffff, run, 3),
         _ => (tail, run, 5),

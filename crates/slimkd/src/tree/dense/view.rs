@@ -1,10 +1,14 @@
 //! Reads of a proven dense tree.
 
-use super::leaf::{Leaf, LeafCode, read_code};
+use super::leaf::{LONGEST_RUN, Leaf, LeafCode, read_code};
 use super::{Dense, PADDING, word};
 use crate::traverse::Planes;
 use crate::tree::nodes::{Inner, MeshView, Nodes, Step};
 use crate::tree::statistics::LeafMode;
+use std::mem::MaybeUninit;
+
+/// Ids of a leaf that are decoded at once: nearly every leaf is one piece.
+const PIECE: usize = 64;
 
 /// A proven tree's bytes and its mesh.
 #[derive(Clone, Copy)]
@@ -56,25 +60,32 @@ impl Nodes for DenseView<'_> {
 
     #[inline(always)]
     fn triangles(self, leaf: Leaf, mut visit: impl FnMut(u32) -> bool) -> bool {
-        let Leaf { mut codes, count: mut left, first: mut next } = leaf;
-        if left == 0 {
-            return false;
-        }
-        let mut run = 1;
-        loop {
-            for id in next..next + run {
-                if visit(id) {
+        let Leaf { mut codes, count, first } = leaf;
+        // Ids are decoded ahead of their tests, a whole run at a time: one loop whose end is known, instead of one a run.
+        let mut ids = [MaybeUninit::<u32>::uninit(); PIECE + LONGEST_RUN];
+        ids[0].write(first);
+        let (mut filled, mut next, mut left) = (1, first + 1, count as usize);
+        while left > 0 {
+            let end = left.min(PIECE);
+            while filled < end {
+                let (gap, run, size) = read_code(self.long(codes));
+                next += gap;
+                for k in 0..LONGEST_RUN {
+                    ids[filled + k].write(next + k as u32);
+                }
+                (next, codes, filled) = (next + run, codes + size, filled + run as usize);
+            }
+            for id in &ids[..end] {
+                // SAFETY: everything below `filled`, hence below `end`, was written.
+                if visit(unsafe { id.assume_init() }) {
                     return true;
                 }
             }
-            left -= run;
-            if left == 0 {
-                return false;
-            }
-            next += run;
-            let (gap, length, size) = read_code(self.long(codes));
-            (next, run, codes) = (next + gap, length, codes + size);
+            // A run may reach over the piece's end.
+            ids.copy_within(end..end + LONGEST_RUN, 0);
+            (filled, left) = (filled - end, left - end);
         }
+        false
     }
 
     fn mode(_: Leaf) -> LeafMode {

@@ -49,6 +49,7 @@ pub(super) fn grid(bounds: &Aabb) -> Option<Planes> {
         }
         planes.low[k] = bounds.min[k];
         planes.scale[k] = (1.0 / span) as f32;
+        planes.unscale[k] = span as f32;
         planes.cell[k] = (span / f64::from(1u32 << PLANE_BITS)) as f32;
         planes.shift = 1.0;
     }
