@@ -141,9 +141,6 @@ pub(crate) fn search_tree(nodes: impl Nodes, depth: u32, bounds: &Aabb, search: 
             // The near half is as far as the whole: its face that the point may be beside is the voxel's own.
             node = left + near;
         };
-        nodes.triangles(leaf, |id| {
-            search.offer(&nodes.corners(id), id);
-            false
-        });
+        nodes.for_each(leaf, |id| search.offer(&nodes.corners(id), id));
     }
 }

@@ -14,7 +14,7 @@
 
 use super::prepared::{PreparedRay, larger, smaller};
 use super::sink::Sink;
-use crate::tree::{Inner, Nodes, Step};
+use crate::tree::{Ids, Inner, Nodes, Step};
 
 /// Deepest tree whose far children fit the stack in the frame; scenes measured so far end at depth 30 to 60.
 const SMALL_DEPTH: usize = 64;
@@ -47,10 +47,11 @@ fn along<const Z: usize>(nodes: impl Nodes, depth: u32, ray: &PreparedRay, sink:
 #[inline(always)]
 fn walk<const Z: usize>(nodes: impl Nodes, ray: &PreparedRay, sink: &mut impl Sink, stack: &mut [Far]) {
     let mut top = 0;
+    let mut buffer = Ids::new();
     let mut at = 0;
     let (mut enter, mut exit) = (ray.enter, ray.exit);
     loop {
-        let leaf = loop {
+        let mut leaf = loop {
             let Inner { axis, split, left, stride, t_reference } = match nodes.node(at) {
                 Step::Inner(inner) => inner,
                 Step::Leaf(leaf) => break leaf,
@@ -76,8 +77,16 @@ fn walk<const Z: usize>(nodes: impl Nodes, ray: &PreparedRay, sink: &mut impl Si
                 exit = smaller(last, exit);
             }
         };
-        if nodes.triangles(leaf, |id| ray.offer::<Z>(&nodes.corners(id), id, sink)) {
-            return;
+        loop {
+            let ids = nodes.take(&mut leaf, &mut buffer);
+            if ids.is_empty() {
+                break;
+            }
+            for &id in ids {
+                if ray.offer::<Z>(&nodes.corners(id), id, sink) {
+                    return;
+                }
+            }
         }
         let limit = sink.limit() * ray.scale;
         loop {

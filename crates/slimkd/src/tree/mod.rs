@@ -13,7 +13,7 @@ mod walk;
 pub use file::FileError;
 pub use kdtree::KdTree;
 pub use memory::MemoryReport;
-pub(crate) use nodes::{Inner, Nodes, Step, View, with_nodes};
+pub(crate) use nodes::{Ids, Inner, Nodes, Step, View, with_nodes};
 pub use statistics::{LeafReferences, NodeCounts, TreeStatistics};
 
 /// A tree's bytes in its layout.

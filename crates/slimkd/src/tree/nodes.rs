@@ -6,6 +6,7 @@ use super::statistics::LeafMode;
 use super::{Encoded, KdTree};
 use crate::geometry::TriangleMesh;
 use crate::traverse::Planes;
+use std::mem::MaybeUninit;
 
 /// One node.
 #[derive(Clone, Copy)]
@@ -36,8 +37,23 @@ pub(crate) trait Nodes: Copy {
     /// Decodes the node at an address of this tree.
     fn node(self, address: u32) -> Step<Self::Leaf>;
 
-    /// Calls `visit` for the leaf's triangles, ascending, until it says `true`; says whether it did.
-    fn triangles(self, leaf: Self::Leaf, visit: impl FnMut(u32) -> bool) -> bool;
+    /// Takes the next ids off a leaf, ascending; none when all are taken. They lie in `buffer` or in the tree.
+    fn take<'b>(self, leaf: &mut Self::Leaf, buffer: &'b mut Ids) -> &'b [u32]
+    where
+        Self: 'b;
+
+    /// Calls `visit` for each of a leaf's ids, ascending.
+    #[inline(always)]
+    fn for_each(self, mut leaf: Self::Leaf, mut visit: impl FnMut(u32)) {
+        let mut buffer = Ids::new();
+        loop {
+            let ids = self.take(&mut leaf, &mut buffer);
+            if ids.is_empty() {
+                return;
+            }
+            ids.iter().for_each(|&id| visit(id));
+        }
+    }
 
     /// How the leaf's ids are written.
     fn mode(leaf: Self::Leaf) -> LeafMode;
@@ -47,6 +63,32 @@ pub(crate) trait Nodes: Copy {
 
     /// The coordinates of its split planes.
     fn planes(self) -> Planes;
+}
+
+/// Ids that are taken off a leaf at once, at most; nearly every leaf is one piece.
+pub(super) const PIECE: usize = 64;
+/// Ids that a layout may write behind a piece.
+pub(super) const SPILL: usize = 8;
+
+/// Room for a piece. Costs nothing to make.
+pub(crate) struct Ids(pub(super) [MaybeUninit<u32>; PIECE + SPILL]);
+
+impl Ids {
+    #[inline(always)]
+    pub(crate) fn new() -> Self {
+        Self([MaybeUninit::uninit(); PIECE + SPILL])
+    }
+
+    /// The first `count`.
+    ///
+    /// # Safety
+    /// They were written.
+    #[inline(always)]
+    pub(super) unsafe fn written(&self, count: usize) -> &[u32] {
+        debug_assert!(count <= self.0.len());
+        // SAFETY: the caller wrote them; `MaybeUninit<u32>` has the layout of `u32`.
+        unsafe { std::slice::from_raw_parts(self.0.as_ptr().cast(), count) }
+    }
 }
 
 /// The mesh behind a proven tree.

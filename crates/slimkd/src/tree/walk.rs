@@ -62,10 +62,9 @@ fn statistics_of<N: Nodes>(tree: &KdTree, view: N) -> TreeStatistics {
         match node {
             Step::Leaf(leaf) => {
                 let mut count = 0;
-                view.triangles(leaf, |id| {
+                view.for_each(leaf, |id| {
                     per_triangle[id as usize] += 1;
                     count += 1;
-                    false
                 });
                 nodes.leaf += 1;
                 nodes.empty_leaf += u64::from(count == 0);
@@ -109,12 +108,7 @@ fn statistics_of<N: Nodes>(tree: &KdTree, view: N) -> TreeStatistics {
 /// Calls `visit` for every triangle id that a leaf or an inner node names.
 pub(super) fn for_each_reference(tree: &KdTree, mut visit: impl FnMut(u32)) {
     with_nodes!(tree, nodes => for_each(nodes, Aabb::EMPTY, |_, node| match node {
-        Step::Leaf(leaf) => {
-            nodes.triangles(leaf, |id| {
-                visit(id);
-                false
-            });
-        }
+        Step::Leaf(leaf) => nodes.for_each(leaf, &mut visit),
         Step::Inner(Inner { t_reference, .. }) => t_reference.into_iter().for_each(&mut visit),
     }));
 }

@@ -32,8 +32,11 @@ pub(super) struct LeafCode {
 #[derive(Clone, Copy)]
 pub(crate) struct Leaf {
     pub(super) codes: u32,
-    pub(super) count: u32,
-    pub(super) first: u32,
+    /// Ids still to come.
+    pub(super) left: u32,
+    /// The next of them, and how many follow it without a gap, itself included.
+    pub(super) next: u32,
+    pub(super) run: u32,
 }
 
 impl LeafCode {
@@ -58,9 +61,9 @@ impl LeafCode {
         let first = word >> (2 + self.count_bits) & self.id_mask;
         let codes = address + self.header_bytes;
         if count == self.many() {
-            return Leaf { codes: codes + 4, count: next(codes), first };
+            return Leaf { codes: codes + 4, left: next(codes), next: first, run: 1 };
         }
-        Leaf { codes, count, first }
+        Leaf { codes, left: count, next: first, run: 1 }
     }
 
     /// Appends a leaf of ascending ids.

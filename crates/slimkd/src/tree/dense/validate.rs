@@ -55,7 +55,7 @@ fn leaf(dense: &Dense, at: usize, end: usize, triangles: usize) -> Result<(usize
             .get(at as usize..at as usize + 4)
             .map_or(u32::MAX, |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]))
     });
-    if leaf.count == 0 {
+    if leaf.left == 0 {
         return if bytes[at] == word::LEAF as u8 {
             Ok((at + 1, 0))
         } else {
@@ -63,7 +63,7 @@ fn leaf(dense: &Dense, at: usize, end: usize, triangles: usize) -> Result<(usize
         };
     }
     let mut codes = leaf.codes as usize;
-    let (mut next, mut left) = (u64::from(leaf.first) + 1, leaf.count - 1);
+    let (mut next, mut left) = (u64::from(leaf.next) + 1, leaf.left - 1);
     while left > 0 {
         if codes >= end {
             return damaged("a leaf does not end");

@@ -3,12 +3,10 @@
 use super::leaf::{LONGEST_RUN, Leaf, LeafCode, read_code};
 use super::{Dense, PADDING, word};
 use crate::traverse::Planes;
-use crate::tree::nodes::{Inner, MeshView, Nodes, Step};
+use crate::tree::nodes::{Ids, Inner, MeshView, Nodes, PIECE, SPILL, Step};
 use crate::tree::statistics::LeafMode;
-use std::mem::MaybeUninit;
 
-/// Ids of a leaf that are decoded at once: nearly every leaf is one piece.
-const PIECE: usize = 64;
+const _: () = assert!(LONGEST_RUN <= SPILL, "a run may begin at the last id of a piece");
 
 /// A proven tree's bytes and its mesh.
 #[derive(Clone, Copy)]
@@ -59,33 +57,26 @@ impl Nodes for DenseView<'_> {
     }
 
     #[inline(always)]
-    fn triangles(self, leaf: Leaf, mut visit: impl FnMut(u32) -> bool) -> bool {
-        let Leaf { mut codes, count, first } = leaf;
-        // Ids are decoded ahead of their tests, a whole run at a time: one loop whose end is known, instead of one a run.
-        let mut ids = [MaybeUninit::<u32>::uninit(); PIECE + LONGEST_RUN];
-        ids[0].write(first);
-        let (mut filled, mut next, mut left) = (1, first + 1, count as usize);
-        while left > 0 {
-            let end = left.min(PIECE);
-            while filled < end {
-                let (gap, run, size) = read_code(self.long(codes));
-                next += gap;
-                for k in 0..LONGEST_RUN {
-                    ids[filled + k].write(next + k as u32);
-                }
-                (next, codes, filled) = (next + run, codes + size, filled + run as usize);
+    fn take<'b>(self, leaf: &mut Leaf, buffer: &'b mut Ids) -> &'b [u32]
+    where
+        Self: 'b,
+    {
+        let Leaf { mut codes, mut left, mut next, mut run } = *leaf;
+        let mut filled = 0;
+        while left > 0 && filled < PIECE {
+            // A whole run at once, whatever its length: the next ones write over what is too much.
+            for k in 0..SPILL {
+                buffer.0[filled + k].write(next + k as u32);
             }
-            for id in &ids[..end] {
-                // SAFETY: everything below `filled`, hence below `end`, was written.
-                if visit(unsafe { id.assume_init() }) {
-                    return true;
-                }
+            (filled, next, left) = (filled + run as usize, next + run, left - run);
+            if left > 0 {
+                let (gap, length, size) = read_code(self.long(codes));
+                (next, run, codes) = (next + gap, length, codes + size);
             }
-            // A run may reach over the piece's end.
-            ids.copy_within(end..end + LONGEST_RUN, 0);
-            (filled, left) = (filled - end, left - end);
         }
-        false
+        *leaf = Leaf { codes, left, next, run };
+        // SAFETY: all before `filled` were written.
+        unsafe { buffer.written(filled) }
     }
 
     fn mode(_: Leaf) -> LeafMode {

@@ -2,7 +2,7 @@
 
 use super::{Packed, Plain};
 use crate::traverse::Planes;
-use crate::tree::nodes::{Inner, MeshView, Nodes, Step};
+use crate::tree::nodes::{Ids, Inner, MeshView, Nodes, PIECE, Step};
 use crate::tree::statistics::LeafMode;
 
 /// A proven tree and its mesh as plain slices.
@@ -27,30 +27,38 @@ impl<'a> PlainView<'a> {
         // proven tree's pointers lie inside the array.
         unsafe { *self.nodes.get_unchecked(index as usize) }
     }
+}
 
-    #[inline(always)]
-    fn indices_4byte(&self, first: u32, count: u32) -> &'a [u32] {
-        debug_assert!(first as usize + count as usize <= self.indices_4byte.len());
-        // SAFETY: a proven tree's leaf ranges lie inside the array.
-        unsafe { self.indices_4byte.get_unchecked(first as usize..first as usize + count as usize) }
-    }
+/// A leaf in reading.
+#[derive(Clone, Copy)]
+pub(crate) struct Leaf {
+    first: u32,
+    left: u32,
+    /// The shared upper half in 2-byte mode.
+    upper: u32,
+    mode: LeafMode,
+}
 
+impl Leaf {
     #[inline(always)]
-    fn indices_2byte(&self, first: u32, count: u32) -> &'a [u16] {
-        debug_assert!(first as usize + count as usize <= self.indices_2byte.len());
-        // SAFETY: a proven tree's leaf ranges lie inside the array.
-        unsafe { self.indices_2byte.get_unchecked(first as usize..first as usize + count as usize) }
+    fn new(node: Packed) -> Self {
+        let first = node.pointer();
+        if node.is_2byte() {
+            Self { first, left: node.count_2byte(), upper: node.upper(), mode: LeafMode::TwoByte }
+        } else {
+            Self { first, left: node.count_4byte(), upper: 0, mode: LeafMode::FourByte }
+        }
     }
 }
 
 impl Nodes for PlainView<'_> {
-    type Leaf = Packed;
+    type Leaf = Leaf;
 
     #[inline(always)]
-    fn node(self, address: u32) -> Step<Packed> {
+    fn node(self, address: u32) -> Step<Leaf> {
         let node = self.packed(address);
         if node.is_leaf() {
-            return Step::Leaf(node);
+            return Step::Leaf(Leaf::new(node));
         }
         let left = node.pointer();
         let t_reference = node.has_t_reference().then(|| self.packed(left + 2).triangle());
@@ -58,18 +66,32 @@ impl Nodes for PlainView<'_> {
     }
 
     #[inline(always)]
-    fn triangles(self, leaf: Packed, mut visit: impl FnMut(u32) -> bool) -> bool {
-        let first = leaf.pointer();
-        if leaf.is_2byte() {
-            let upper = leaf.upper();
-            self.indices_2byte(first, leaf.count_2byte()).iter().any(|&lower| visit(upper | u32::from(lower)))
-        } else {
-            self.indices_4byte(first, leaf.count_4byte()).iter().any(|&id| visit(id))
+    fn take<'b>(self, leaf: &mut Leaf, buffer: &'b mut Ids) -> &'b [u32]
+    where
+        Self: 'b,
+    {
+        let first = leaf.first as usize;
+        if leaf.mode == LeafMode::FourByte {
+            let count = std::mem::take(&mut leaf.left) as usize;
+            debug_assert!(first + count <= self.indices_4byte.len());
+            // SAFETY: a proven tree's leaf ranges lie inside the array.
+            return unsafe { self.indices_4byte.get_unchecked(first..first + count) };
         }
+        let count = PIECE.min(leaf.left as usize);
+        debug_assert!(first + count <= self.indices_2byte.len());
+        // SAFETY: a proven tree's leaf ranges lie inside the array.
+        let lower = unsafe { self.indices_2byte.get_unchecked(first..first + count) };
+        for (id, &lower) in buffer.0.iter_mut().zip(lower) {
+            id.write(leaf.upper | u32::from(lower));
+        }
+        leaf.first += count as u32;
+        leaf.left -= count as u32;
+        // SAFETY: `count` of them were written above.
+        unsafe { buffer.written(count) }
     }
 
-    fn mode(leaf: Packed) -> LeafMode {
-        if leaf.is_2byte() { LeafMode::TwoByte } else { LeafMode::FourByte }
+    fn mode(leaf: Leaf) -> LeafMode {
+        leaf.mode
     }
 
     #[inline(always)]
