@@ -31,7 +31,7 @@ pub(crate) fn reduce(
     }
     plan.counts = Vec::new(); // only stripping needs them
     if options.collapse {
-        plan = collapse::collapse(plan, voxel, &options.sah, options.byte_weight);
+        plan = collapse::collapse(plan, voxel, &options.sah, options.byte_weight, options.layout);
     }
     Ok(plan)
 }
