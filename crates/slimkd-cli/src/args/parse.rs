@@ -1,6 +1,6 @@
 //! Values of options, parsed and checked.
 
-use slimkd::{Clipping, Layout};
+use slimkd::{Clipping, Layout, TreeBudget};
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::str::FromStr;
 
@@ -80,6 +80,39 @@ pub(super) fn clipping(text: &str) -> Result<Clipping, String> {
             .parse()
             .map(Clipping::ExactFrom)
             .map_err(|_| format!("expected exact, box, or a number of triangles up to {}", u32::MAX)),
+    }
+}
+
+/// Bytes for a tree: a [`bytes`] size, or a number a triangle.
+pub(super) fn tree_budget(text: &str) -> Result<TreeBudget, String> {
+    match text.strip_suffix("/tri") {
+        Some(each) => positive(each).map(TreeBudget::BytesPerTriangle),
+        None => bytes(text).map(TreeBudget::Bytes),
+    }
+    .map_err(|_| "expected bytes such as 64MiB or 800000, or bytes a triangle such as 6/tri".into())
+}
+
+/// A number of bytes above 0, with or without a unit.
+pub(super) fn bytes(text: &str) -> Result<u64, String> {
+    const UNITS: [(&str, f64); 10] = [
+        ("KiB", 1024.0),
+        ("MiB", 1_048_576.0),
+        ("GiB", 1_073_741_824.0),
+        ("TiB", 1_099_511_627_776.0),
+        ("kB", 1e3),
+        ("KB", 1e3),
+        ("MB", 1e6),
+        ("GB", 1e9),
+        ("TB", 1e12),
+        ("B", 1.0),
+    ];
+    let (number, unit) = UNITS
+        .iter()
+        .find_map(|&(name, unit)| text.strip_suffix(name).map(|number| (number.trim_end(), unit)))
+        .unwrap_or((text, 1.0));
+    match number.parse::<f64>() {
+        Ok(number) if (1.0..1e18).contains(&(number * unit)) => Ok((number * unit) as u64),
+        _ => Err("expected a number of bytes such as 64MiB or 800000".into()),
     }
 }
 

@@ -1,9 +1,9 @@
 //! How a tree is built: the preset, and whatever is set in place of its own choices.
 
-use super::parse::{clipping, fraction, layout, not_negative, positive, threads};
+use super::parse::{clipping, fraction, layout, not_negative, positive, threads, tree_budget};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset};
+use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset, TreeBudget};
 use std::num::NonZeroUsize;
 
 /// Everything that shapes one tree.
@@ -83,6 +83,10 @@ struct ShapeArgs {
     /// unless given
     #[arg(long, value_name = "four-byte|two-byte|dense", value_parser = layout)]
     layout: Option<Layout>,
+    /// The fastest tree of at most SIZE: bytes, with a unit such as KiB or MB, or bytes a triangle, as in 6/tri. Found from
+    /// one build, by raising the byte weight
+    #[arg(long, value_name = "SIZE", value_parser = tree_budget)]
+    max_tree_bytes: Option<TreeBudget>,
 }
 
 impl TreeArgs {
@@ -112,6 +116,7 @@ impl TuningArgs {
         set(&mut options.clipping, shape.clipping);
         options.collapse |= shape.collapse || shape.byte_weight.is_some();
         set(&mut options.layout, shape.layout);
+        options.max_tree = shape.max_tree_bytes;
         options
     }
 }
@@ -226,6 +231,8 @@ mod tests {
         assert_eq!(standard("").layout, Layout::FourByte);
         assert_eq!(standard("--layout two-byte").layout, Layout::TwoByte);
         assert_eq!(standard("--layout dense").layout, Layout::Dense);
+        assert_eq!(standard("--max-tree-bytes 1.5MiB").max_tree, Some(TreeBudget::Bytes(3 << 19)));
+        assert_eq!(standard("--max-tree-bytes 6/tri").max_tree, Some(TreeBudget::BytesPerTriangle(6.0)));
         assert_eq!(standard("--clipping box").clipping, Clipping::Box);
         assert_eq!(standard("--clipping exact").clipping, Clipping::Exact);
         assert_eq!(standard("--clipping 10000").clipping, Clipping::ExactFrom(10_000));
@@ -241,6 +248,9 @@ mod tests {
             "--byte-weight inf",
             "--leaf-at-most -1",
             "--layout small",
+            "--max-tree-bytes 0",
+            "--max-tree-bytes 5MiBs",
+            "--max-tree-bytes -1/tri",
             "--clipping tight",
             "--clipping -3",
             "--rebuild --predict",

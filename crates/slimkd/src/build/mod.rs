@@ -15,7 +15,7 @@ mod sah;
 mod search;
 mod sweep;
 
-pub use options::{BuildError, BuildOptions, Clipping, Layout, Preset, SahConstants};
+pub use options::{BuildError, BuildOptions, Clipping, Layout, Preset, SahConstants, TreeBudget};
 pub(crate) use plan::{Plan, PlanNode};
 pub use progress::Progress;
 pub(crate) use recursion::Builder;

@@ -89,6 +89,32 @@ pub enum Layout {
     Dense = 2,
 }
 
+/// A bound on the bytes of a tree, as [`MemoryReport::tree`](crate::MemoryReport::tree) counts them.
+///
+/// ```
+/// use slimkd::{BuildOptions, TreeBudget};
+/// let mut options = BuildOptions::default();
+/// options.max_tree = Some(TreeBudget::Bytes(64 << 20));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum TreeBudget {
+    /// For the whole tree.
+    Bytes(u64),
+    /// Bytes a triangle of the mesh, degenerate ones included; above 0.
+    BytesPerTriangle(f32),
+}
+
+impl TreeBudget {
+    /// For a mesh of that many triangles.
+    pub(crate) fn bytes(self, triangles: usize) -> u64 {
+        match self {
+            Self::Bytes(bytes) => bytes,
+            Self::BytesPerTriangle(each) => (f64::from(each) * triangles as f64) as u64,
+        }
+    }
+}
+
 /// All knobs of a build. Start from a [`Preset`].
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -110,6 +136,10 @@ pub struct BuildOptions {
     /// How much bytes count beside rays when [`BuildOptions::collapse`] decides, 0 and up: at weight ℓ, halving the tree
     /// may raise its SAH cost by ℓ/2 of the whole. 0 (default): rays alone.
     pub byte_weight: f32,
+    /// The most that the tree may take; `None` sets no bound. Where the tree at [`BuildOptions::byte_weight`] is larger,
+    /// the weight is raised until it fits: the fastest tree of that size, from one build. The tree's own options then
+    /// hold that weight.
+    pub max_tree: Option<TreeBudget>,
     /// Threads to build with; `None` uses the current rayon pool. The tree is the same at any count.
     pub threads: Option<NonZeroUsize>,
 }
@@ -126,6 +156,7 @@ impl From<Preset> for BuildOptions {
             hoisting: None,
             collapse: false,
             byte_weight: 0.0,
+            max_tree: None,
             threads: None,
         };
         // Chosen on Kitchen, Sponza and hospital_structure, see docs/presets.md; a wider check is still to be made.
@@ -167,6 +198,11 @@ impl BuildOptions {
             let (name, value) = ("byte weight", self.byte_weight.into());
             return Err(BuildError::InvalidOption { name, value });
         }
+        if let Some(TreeBudget::BytesPerTriangle(each)) = self.max_tree
+            && !(each.is_finite() && each > 0.0)
+        {
+            return Err(BuildError::InvalidOption { name: "bytes a triangle", value: each.into() });
+        }
         for (name, value) in self.hoisting.iter().flat_map(Hoisting::thresholds) {
             if !(0.0..=1.0).contains(&value) {
                 return Err(BuildError::InvalidThreshold { name, value: value.into() });
@@ -198,6 +234,16 @@ pub enum BuildError {
         name: &'static str,
         /// What it was.
         value: f64,
+    },
+    /// Even one leaf of all triangles is larger than [`BuildOptions::max_tree`]: allow more bytes, or use the dense layout.
+    #[error(
+        "the smallest tree takes {needed} bytes, {limit} are allowed; allow more, or use the dense layout"
+    )]
+    TreeTooLarge {
+        /// Bytes of the smallest tree.
+        needed: u64,
+        /// Bytes that were allowed.
+        limit: u64,
     },
     /// The operating system gave no threads: ask for fewer.
     #[error("cannot start the build's threads ({0}); ask for fewer")]

@@ -1,10 +1,11 @@
 //! From the standard plan to a smaller one: T-references, collapse.
 //!
 //! ```text
-//! Plan ─▶ hoist (strip or rebuild) ─▶ collapse ─▶ Plan
+//! Plan ─▶ hoist (strip or rebuild) ─▶ prune (collapse; by `fit` where the bytes are given) ─▶ Plan
 //! ```
 
 mod collapse;
+mod fit;
 mod measures;
 mod options;
 mod rebuild;
@@ -13,10 +14,11 @@ mod work;
 
 use crate::build::{BuildError, BuildOptions, Builder, Plan};
 use crate::geometry::Aabb;
+pub(crate) use fit::fit;
 pub use options::{CountedLeaves, HoistAlgorithm, Hoisting, OccupancyBase, WhenLeafRemains};
 
-/// Applies what the options ask for.
-pub(crate) fn reduce(
+/// Hoists where the options ask for it.
+pub(crate) fn hoist(
     mut plan: Plan,
     voxel: Aabb,
     builder: &Builder<'_>,
@@ -30,8 +32,13 @@ pub(crate) fn reduce(
         };
     }
     plan.counts = Vec::new(); // only stripping needs them
-    if options.collapse {
-        plan = collapse::collapse(plan, voxel, &options.sah, options.byte_weight, options.layout);
-    }
     Ok(plan)
+}
+
+/// Collapses where the options ask for it.
+pub(crate) fn prune(plan: Plan, voxel: Aabb, options: &BuildOptions) -> Plan {
+    if !options.collapse {
+        return plan;
+    }
+    collapse::collapse(plan, voxel, &options.sah, options.byte_weight, options.layout)
 }

@@ -4,7 +4,7 @@ use super::statistics::TreeStatistics;
 use super::{Encoded, MemoryReport, Nodes, dense, plain, walk, with_nodes};
 use crate::build::{BuildError, BuildOptions, Builder, Layout, Plan, Progress};
 use crate::geometry::{Aabb, Ray, TriangleMesh};
-use crate::reduce::reduce;
+use crate::reduce::{fit, hoist, prune};
 use crate::traverse::{All, Any, Closest, Hit, InstructionSet, PreparedRay, Sink, sort_hits, traverse};
 use std::sync::Arc;
 
@@ -77,11 +77,25 @@ impl KdTree {
         let builder = Builder::new(&mesh, options, progress)?;
         let plan = builder.build(&triangles, bounds, 1.0)?;
         drop(triangles);
-        let plan = reduce(plan, bounds, &builder, options)?;
+        let plan = hoist(plan, bounds, &builder, options)?;
+        let budget = options.max_tree;
+        let mut options = BuildOptions { threads: None, max_tree: None, ..options.clone() };
+        let encode = |plan: &Plan| encode(plan, &bounds, mesh.len(), options.layout);
+        let encoded = match budget.map(|most| most.bytes(mesh.len())) {
+            None => encode(&prune(plan, bounds, &options))?,
+            Some(most) => {
+                let sized = |plan: &Plan| {
+                    let encoded = encode(plan)?;
+                    let bytes = encoded.bytes();
+                    Ok((encoded, bytes))
+                };
+                let (encoded, weight) = fit(&plan, bounds, &builder, &options, most, sized)?;
+                options.collapse = true;
+                options.byte_weight = weight;
+                encoded
+            }
+        };
         drop(builder);
-        let encoded = encode(&plan, &bounds, mesh.len(), options.layout)?;
-        drop(plan);
-        let options = BuildOptions { threads: None, ..options.clone() };
         let instruction_set = InstructionSet::best();
         let mut tree = Self { mesh, options, bounds, encoded, depth: 0, degenerate, instruction_set };
         tree.depth = walk::max_depth(&tree);

@@ -22,3 +22,16 @@ enum Encoded {
     Plain(plain::Plain),
     Dense(dense::Dense),
 }
+
+impl Encoded {
+    /// Bytes that it takes.
+    fn bytes(&self) -> u64 {
+        match self {
+            Self::Plain(plain) => {
+                let (wide, narrow) = (plain.indices_4byte.len() as u64, plain.indices_2byte.len() as u64);
+                8 * plain.nodes.len() as u64 + 4 * wide + 2 * narrow
+            }
+            Self::Dense(dense) => dense.bytes.len() as u64,
+        }
+    }
+}
