@@ -33,6 +33,7 @@ impl Savings {
         let mut without_collapse = options.clone();
         without_collapse.layout = Layout::FourByte;
         without_collapse.collapse = false;
+        without_collapse.max_tree = None;
         let mut standard = without_collapse.clone();
         standard.hoisting = None;
 

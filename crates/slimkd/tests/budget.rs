@@ -3,7 +3,7 @@
 mod common;
 
 use common::{hard_rays, soup, sphere};
-use slimkd::{BuildError, BuildOptions, KdTree, Layout, Preset, TreeBudget};
+use slimkd::{BuildError, BuildOptions, KdTree, Layout, Preset, TreeBudget, TriangleMesh};
 use std::sync::Arc;
 
 #[test]
@@ -19,6 +19,7 @@ fn a_tree_fits_its_budget_and_uses_it() {
         ] {
             let mut options = BuildOptions::from(preset);
             options.layout = layout;
+            options.max_tree = None;
             let whole = KdTree::build(Arc::clone(&mesh), &options).unwrap();
             let all = whole.memory().tree();
             let mut cost = whole.statistics().sah_cost;
@@ -52,7 +53,7 @@ fn bytes_a_triangle_count_the_whole_mesh() {
     let mut options = BuildOptions::default();
     options.max_tree = Some(TreeBudget::BytesPerTriangle(4.0));
     let tree = KdTree::build(Arc::clone(&mesh), &options).unwrap();
-    assert!(tree.memory().tree() <= 4 * mesh.len() as u64);
+    assert!(tree.memory().tree() <= 64 + 4 * mesh.len() as u64);
 }
 
 #[test]
@@ -65,4 +66,16 @@ fn what_cannot_fit_is_an_error() {
     }
     options.max_tree = Some(TreeBudget::BytesPerTriangle(f32::NAN));
     assert!(matches!(KdTree::build(sphere(3), &options), Err(BuildError::InvalidOption { .. })));
+}
+
+#[test]
+fn presets_build_whatever_the_mesh() {
+    let triangle =
+        TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).unwrap();
+    for mesh in [TriangleMesh::default(), triangle, soup(40, 1.0, 0.0, 1), soup(5000, 1.0, 0.0, 2)] {
+        for (preset, most) in [(Preset::Slim, 10), (Preset::Tiny, 7)] {
+            let tree = KdTree::build(mesh.clone(), &preset.into()).unwrap();
+            assert!(tree.memory().tree() <= 64 + most * mesh.len() as u64);
+        }
+    }
 }

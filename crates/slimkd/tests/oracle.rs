@@ -172,8 +172,7 @@ fn campaign(name: &str, mesh: TriangleMesh, rays: usize) -> Worst {
 
 #[test]
 fn no_hit_is_missed_and_none_invented_beyond_the_bound() {
-    let rays: usize =
-        std::env::var("SLIMKD_ORACLE_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(30_000);
+    let rays: usize = std::env::var("SLIMKD_ORACLE_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(30_000);
     let mut all = Worst::default();
     for (name, mesh, share) in [
         ("sphere", sphere(2), 0.2),

@@ -83,13 +83,21 @@ pub(super) fn clipping(text: &str) -> Result<Clipping, String> {
     }
 }
 
-/// Bytes for a tree: a [`bytes`] size, or a number a triangle.
-pub(super) fn tree_budget(text: &str) -> Result<TreeBudget, String> {
+/// The most that a tree may take; `None` for no bound.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct TreeSize(pub(super) Option<TreeBudget>);
+
+/// Bytes for a tree: a [`bytes`] size, a number a triangle, or none.
+pub(super) fn tree_budget(text: &str) -> Result<TreeSize, String> {
+    if text == "none" {
+        return Ok(TreeSize(None));
+    }
     match text.strip_suffix("/tri") {
         Some(each) => positive(each).map(TreeBudget::BytesPerTriangle),
         None => bytes(text).map(TreeBudget::Bytes),
     }
-    .map_err(|_| "expected bytes such as 64MiB or 800000, or bytes a triangle such as 6/tri".into())
+    .map(|budget| TreeSize(Some(budget)))
+    .map_err(|_| "expected bytes such as 64MiB or 800000, bytes a triangle such as 6/tri, or none".into())
 }
 
 /// A number of bytes above 0, with or without a unit.

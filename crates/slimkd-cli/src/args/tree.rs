@@ -1,9 +1,9 @@
 //! How a tree is built: the preset, and whatever is set in place of its own choices.
 
-use super::parse::{clipping, fraction, layout, not_negative, positive, threads, tree_budget};
+use super::parse::{TreeSize, clipping, fraction, layout, not_negative, positive, threads, tree_budget};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset, TreeBudget};
+use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset};
 use std::num::NonZeroUsize;
 
 /// Everything that shapes one tree.
@@ -83,10 +83,10 @@ struct ShapeArgs {
     /// unless given
     #[arg(long, value_name = "four-byte|two-byte|dense", value_parser = layout)]
     layout: Option<Layout>,
-    /// The fastest tree of at most SIZE: bytes, with a unit such as KiB or MB, or bytes a triangle, as in 6/tri. Found from
-    /// one build, by raising the byte weight
+    /// The fastest tree of at most SIZE: bytes, with a unit such as KiB or MB, bytes a triangle, as in 6/tri, or none. Found from
+    /// one build, by raising the byte weight; the preset's unless given
     #[arg(long, value_name = "SIZE", value_parser = tree_budget)]
-    max_tree_bytes: Option<TreeBudget>,
+    max_tree_bytes: Option<TreeSize>,
 }
 
 impl TreeArgs {
@@ -116,7 +116,9 @@ impl TuningArgs {
         set(&mut options.clipping, shape.clipping);
         options.collapse |= shape.collapse || shape.byte_weight.is_some();
         set(&mut options.layout, shape.layout);
-        options.max_tree = shape.max_tree_bytes;
+        if let Some(most) = shape.max_tree_bytes {
+            options.max_tree = most.0;
+        }
         options
     }
 }
@@ -189,6 +191,7 @@ pub(crate) enum Kind {
 mod tests {
     use super::*;
     use clap::Parser;
+    use slimkd::TreeBudget;
 
     #[derive(Debug, Parser)]
     struct Line {
@@ -232,6 +235,7 @@ mod tests {
         assert_eq!(standard("--layout two-byte").layout, Layout::TwoByte);
         assert_eq!(standard("--layout dense").layout, Layout::Dense);
         assert_eq!(standard("--max-tree-bytes 1.5MiB").max_tree, Some(TreeBudget::Bytes(3 << 19)));
+        assert_eq!(options("--preset slim --max-tree-bytes none").unwrap().max_tree, None);
         assert_eq!(standard("--max-tree-bytes 6/tri").max_tree, Some(TreeBudget::BytesPerTriangle(6.0)));
         assert_eq!(standard("--clipping box").clipping, Clipping::Box);
         assert_eq!(standard("--clipping exact").clipping, Clipping::Exact);

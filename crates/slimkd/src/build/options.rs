@@ -101,7 +101,7 @@ pub enum Layout {
 pub enum TreeBudget {
     /// For the whole tree.
     Bytes(u64),
-    /// Bytes a triangle of the mesh, degenerate ones included; above 0.
+    /// Bytes a triangle of the mesh, degenerate ones included, and 64 for the whole: above 0.
     BytesPerTriangle(f32),
 }
 
@@ -110,7 +110,7 @@ impl TreeBudget {
     pub(crate) fn bytes(self, triangles: usize) -> u64 {
         match self {
             Self::Bytes(bytes) => bytes,
-            Self::BytesPerTriangle(each) => (f64::from(each) * triangles as f64) as u64,
+            Self::BytesPerTriangle(each) => 64 + (f64::from(each) * triangles as f64) as u64,
         }
     }
 }
@@ -172,8 +172,12 @@ impl From<Preset> for BuildOptions {
             Preset::Standard => Self { layout: Layout::FourByte, ..paper },
             Preset::PaperFast => Self { hoisting: Some(Hoisting::new(0.9, 0.7)), ..paper },
             Preset::PaperSmall => Self { hoisting: Some(Hoisting::new(0.5, 0.4)), ..paper },
-            Preset::Slim => Self { byte_weight: 0.1, ..ours },
-            Preset::Tiny => Self { byte_weight: 0.5, ..ours },
+            Preset::Slim => {
+                Self { byte_weight: 0.03, max_tree: Some(TreeBudget::BytesPerTriangle(10.0)), ..ours }
+            }
+            Preset::Tiny => {
+                Self { byte_weight: 0.2, max_tree: Some(TreeBudget::BytesPerTriangle(7.0)), ..ours }
+            }
         }
     }
 }
