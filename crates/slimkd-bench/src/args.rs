@@ -1,5 +1,6 @@
 //! The command line, raw and checked.
 
+use crate::variant::Variant;
 use crate::workload::Kind;
 use anyhow::{Result, bail, ensure};
 use clap::{Parser, ValueEnum};
@@ -19,6 +20,9 @@ pub struct Args {
     /// slimkd presets, comma-separated; `slimkd-standard` always takes part
     #[arg(long, value_delimiter = ',')]
     pub presets: Option<Vec<String>>,
+    /// Another tree, `NAME=PRESET[,KEY=VALUE]…`, any number of times; see docs/benchmarking.md for the keys
+    #[arg(long = "variant", value_name = "SPEC")]
+    pub variants: Vec<Variant>,
     /// Peers, comma-separated beginnings of names such as `embree,obvhs-cwbvh`; `none` for slimkd alone
     #[arg(long, value_delimiter = ',')]
     pub peers: Option<Vec<String>>,
@@ -102,7 +106,7 @@ impl Args {
                 path.display()
             );
         }
-        self.chosen_presets().map(drop)
+        self.own_trees().map(drop)
     }
 
     /// The presets to build, `standard` first: it is what others are compared with.
@@ -123,6 +127,20 @@ impl Args {
             }
         }
         Ok(presets)
+    }
+
+    /// The presets and the other trees.
+    pub fn own_trees(&self) -> Result<Vec<Variant>> {
+        let mut trees: Vec<Variant> = self.chosen_presets()?.into_iter().map(Variant::from).collect();
+        for variant in &self.variants {
+            ensure!(
+                trees.iter().all(|tree| tree.name != variant.name),
+                "two trees are called {}",
+                variant.name
+            );
+            trees.push(variant.clone());
+        }
+        Ok(trees)
     }
 
     /// Whether a peer of this name takes part.

@@ -37,7 +37,7 @@ pub fn run(args: &Args, say: &mut dyn FnMut(&str)) -> Result<Report> {
     let (others, absent) = peers::others(args.embree.as_deref());
     let absent = absent.into_iter().filter(|absent| args.wants_peer(&absent.name));
     skipped.extend(absent.map(|absent| Skipped { name: absent.name, reason: absent.reason }));
-    let own = peers::slimkd(&args.chosen_presets()?).into_iter().map(|contender| (contender, &scene.mesh));
+    let own = peers::slimkd(args.own_trees()?).into_iter().map(|contender| (contender, &scene.mesh));
     let others = others.into_iter().map(|contender| (contender, &mesh));
     for (contender, mesh) in
         own.chain(others.filter(|(contender, _)| args.wants_peer(&contender.info().name)))

@@ -86,7 +86,7 @@ fn agrees(name: &str, mesh: &TriangleMesh, traced: &dyn Traced, rays: &[Ray], ex
 fn everybody() -> Vec<Box<dyn Contender>> {
     let (mut all, absent) = peers::others(None);
     absent.iter().for_each(|absent| println!("without {}: {}", absent.name, absent.reason));
-    all.extend(peers::slimkd(Preset::ALL));
+    all.extend(peers::slimkd(Preset::ALL.iter().copied().map(Into::into).collect()));
     all
 }
 

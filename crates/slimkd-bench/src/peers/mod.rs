@@ -11,8 +11,9 @@ mod tinybvh;
 mod triangle;
 
 use crate::built::Contender;
+use crate::variant::Variant;
 use crate::vector::bounds;
-use slimkd::{Preset, TriangleMesh};
+use slimkd::TriangleMesh;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -30,9 +31,9 @@ pub struct Absent {
     pub reason: String,
 }
 
-/// slimkd's presets.
-pub fn slimkd(presets: &[Preset]) -> Vec<Box<dyn Contender>> {
-    presets.iter().map(|&preset| Box::new(own::Own::new(preset)) as Box<dyn Contender>).collect()
+/// slimkd's trees.
+pub fn slimkd(trees: Vec<Variant>) -> Vec<Box<dyn Contender>> {
+    trees.into_iter().map(|tree| Box::new(own::Own::new(tree)) as Box<dyn Contender>).collect()
 }
 
 /// All other libraries, and those that are not there. `embree` is a file, a folder to search, or nothing: then the

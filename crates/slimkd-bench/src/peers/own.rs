@@ -1,18 +1,20 @@
-//! slimkd itself, one contender a preset.
+//! slimkd itself, one contender a tree.
 
 use super::locked_version;
 use crate::built::{Bytes, Contender, Found, Info, SizeSource, Traced};
-use slimkd::{BuildOptions, KdTree, Layout, Preset, Ray, TriangleMesh};
+use crate::variant::Variant;
+use slimkd::{BuildOptions, KdTree, Layout, Ray, TriangleMesh};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 pub(super) struct Own {
+    name: String,
     options: BuildOptions,
 }
 
 impl Own {
-    pub(super) fn new(preset: Preset) -> Self {
-        Self { options: preset.into() }
+    pub(super) fn new(tree: Variant) -> Self {
+        Self { name: format!("slimkd-{}", tree.name), options: tree.options }
     }
 }
 
@@ -20,7 +22,7 @@ impl Contender for Own {
     fn info(&self) -> Info {
         let sah = self.options.sah;
         Info {
-            name: format!("slimkd-{}", self.options.preset.name()),
+            name: self.name.clone(),
             library: "slimkd",
             version: locked_version("slimkd"),
             settings: settings(&self.options),
