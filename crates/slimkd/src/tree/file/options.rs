@@ -51,6 +51,8 @@ pub(super) fn get(block: &[u8]) -> Option<BuildOptions> {
     let (&length, rest) = block.split_first()?;
     let (name, numbers) = rest.split_at_checked(length.into())?;
     let mut options = BuildOptions::from(Preset::from_name(std::str::from_utf8(name).ok()?)?);
+    // Spent by the build; the byte weight says what came of it.
+    options.max_tree = None;
     let (words, []) = numbers.as_chunks::<4>() else { return None };
     let words: Vec<u32> = words.iter().map(|&word| u32::from_le_bytes(word)).collect();
     let (
