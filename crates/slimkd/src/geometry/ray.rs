@@ -10,6 +10,7 @@
 /// assert_eq!(ray.at(2.5), [0.0, 0.0, 0.0]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Ray {
     /// Where the ray starts, scene units.
     pub origin: [f32; 3],

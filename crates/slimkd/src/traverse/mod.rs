@@ -2,19 +2,23 @@
 
 mod arch;
 mod brute_force;
+mod counters;
 mod filtered;
 mod hit;
 mod nearest;
+mod packet;
 mod prepared;
 mod single;
 mod sink;
 
 pub use arch::{InstructionSet, UnknownInstructionSet};
 pub use brute_force::BruteForce;
+pub use counters::Counters;
 pub(crate) use filtered::Filtered;
 pub use hit::Hit;
 pub use nearest::ClosestPoint;
 pub(crate) use nearest::{Search, search_tree};
+pub(crate) use packet::{AnyHits, ClosestHits, Traced};
 pub(crate) use prepared::{Planes, PreparedRay};
 pub(crate) use single::traverse;
 pub(crate) use sink::{All, Any, Closest, Sink, sort_hits};

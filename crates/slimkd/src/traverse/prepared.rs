@@ -16,14 +16,15 @@
 //! 3. Intervals are kept in units of the direction scaled by a power of two to a length near 1, so that directions
 //!    of 10⁻³⁰ or 10³⁰ neither overflow nor underflow. Hits report t in the user's units.
 
+use super::counters::count;
 use super::sink::Sink;
 use crate::geometry::{Aabb, Ray, Shear};
 
 /// Half-width of a split plane relative to M; derived in the module head.
-const SLACK: f32 = 1.0 / (1 << 19) as f32;
+pub(super) const SLACK: f32 = 1.0 / (1 << 19) as f32;
 
 /// Smallest direction component relative to the largest: below it, a ray is parallel to the plane.
-const PARALLEL: f32 = 1.0 / (1u64 << 60) as f32;
+pub(super) const PARALLEL: f32 = 1.0 / (1u64 << 60) as f32;
 
 /// The coordinates that a layout gives its split planes in: `(x − low) · scale + shift` on each axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,6 +134,10 @@ impl PreparedRay {
         triangle: u32,
         sink: &mut impl Sink,
     ) -> bool {
+        count(|c| {
+            (c.triangles, c.ray_triangles, c.triangle_lanes) =
+                (c.triangles + 1, c.ray_triangles + 1, c.triangle_lanes + 1);
+        });
         match self.shear.intersect::<Z>(corners) {
             Some(found) if self.t_min <= found.t && found.t <= self.t_max => sink.offer(found, triangle),
             _ => false,
@@ -160,7 +165,7 @@ fn power_of_two_below(x: f32) -> f32 {
 
 /// Exact reciprocal of a power of two between 2⁻¹²⁶ and 2¹²⁷ (the last one's is subnormal, and still exact).
 #[inline]
-fn reciprocal(power: f32) -> f32 {
+pub(super) fn reciprocal(power: f32) -> f32 {
     if power >= 2.0f32.powi(127) { 2.0f32.powi(-127) } else { f32::from_bits((254 << 23) - power.to_bits()) }
 }
 

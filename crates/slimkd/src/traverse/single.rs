@@ -12,6 +12,7 @@
 //! Tried and left: leaf tests four triangles at a time by SSE2 gathers from the bare mesh (5–12 % slower: the shuffles
 //! eat what the lanes gain), projecting a candidate's corners again instead of keeping them (25 % slower).
 
+use super::counters::count;
 use super::prepared::{PreparedRay, larger, smaller};
 use super::sink::Sink;
 use crate::tree::{Ids, Inner, Nodes, Step};
@@ -50,8 +51,12 @@ fn walk<const Z: usize>(nodes: impl Nodes, ray: &PreparedRay, sink: &mut impl Si
     let mut buffer = Ids::new();
     let mut at = 0;
     let (mut enter, mut exit) = (ray.enter, ray.exit);
+    count(|c| (c.rays, c.walks) = (c.rays + 1, c.walks + 1));
     loop {
         let mut leaf = loop {
+            count(|c| {
+                (c.nodes, c.ray_nodes, c.node_lanes) = (c.nodes + 1, c.ray_nodes + 1, c.node_lanes + 1)
+            });
             let Inner { axis, split, left, stride, t_reference } = match nodes.node(at) {
                 Step::Inner(inner) => inner,
                 Step::Leaf(leaf) => break leaf,

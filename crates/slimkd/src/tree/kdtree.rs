@@ -5,7 +5,10 @@ use super::{Encoded, MemoryReport, Nodes, dense, plain, walk, with_nodes};
 use crate::build::{BuildError, BuildOptions, Builder, Layout, Plan, Progress};
 use crate::geometry::{Aabb, Ray, TriangleMesh};
 use crate::reduce::{fit, hoist, prune};
-use crate::traverse::{All, Any, Closest, Hit, InstructionSet, PreparedRay, Sink, sort_hits, traverse};
+use crate::traverse::{
+    All, Any, AnyHits, Closest, ClosestHits, Hit, InstructionSet, PreparedRay, Sink, Traced, sort_hits,
+    traverse,
+};
 use std::sync::Arc;
 
 /// An SAH kd-tree over a mesh that it shares by [`Arc`]. Immutable, `Send + Sync`: trace from any number of threads.
@@ -157,6 +160,45 @@ impl KdTree {
     pub fn any_hits(&self, rays: &[Ray], hits: &mut [bool]) {
         assert_eq!(rays.len(), hits.len(), "one answer slot a ray");
         rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.any_hit(ray));
+    }
+
+    /// [`KdTree::closest_hits`] for rays that go much the same way, such as a camera's: neighbours in the batch are
+    /// traced together, 64 at a time, several times as fast as one by one. The hits are the same to the last bit.
+    ///
+    /// Order the batch so that neighbours are neighbours: an 8 × 8 tile of pixels after the other, not rows. Rays that
+    /// turn out to go different ways cost time, never a hit.
+    ///
+    /// ```
+    /// use slimkd::{BuildOptions, KdTree, Ray, TriangleMesh};
+    /// let mesh = TriangleMesh::new(vec![[0.0; 3], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0]], vec![[0, 1, 2]])?;
+    /// let tree = KdTree::build(mesh, &BuildOptions::default())?;
+    /// let pixel = |i: usize| [(i % 8) as f32, (i / 8) as f32, -9.0];
+    /// let rays: Vec<Ray> = (0..64).map(|i| Ray::new([0.0, 0.0, 9.0], pixel(i))).collect();
+    /// let mut hits = vec![None; rays.len()];
+    /// tree.closest_hits_coherent(&rays, &mut hits);
+    /// assert!(rays.iter().zip(hits).all(|(ray, hit)| hit == tree.closest_hit(ray)));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Panics
+    /// When the slices differ in length.
+    pub fn closest_hits_coherent(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        assert_eq!(rays.len(), hits.len(), "one hit slot a ray");
+        with_nodes!(self, nodes => self.instruction_set.run(ClosestHits { tree: self.traced(nodes), rays, hits }));
+    }
+
+    /// [`KdTree::any_hits`] for rays that go much the same way, such as those from neighbouring points to one light.
+    /// As [`KdTree::closest_hits_coherent`].
+    ///
+    /// # Panics
+    /// When the slices differ in length.
+    pub fn any_hits_coherent(&self, rays: &[Ray], hits: &mut [bool]) {
+        assert_eq!(rays.len(), hits.len(), "one answer slot a ray");
+        with_nodes!(self, nodes => self.instruction_set.run(AnyHits { tree: self.traced(nodes), rays, hits }));
+    }
+
+    fn traced<N: Nodes>(&self, nodes: N) -> Traced<'_, N> {
+        Traced { nodes, depth: self.depth, bounds: &self.bounds }
     }
 
     /// What batches are traced with: [`InstructionSet::best`] unless [`KdTree::set_instruction_set`] chose another.

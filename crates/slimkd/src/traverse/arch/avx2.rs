@@ -154,6 +154,28 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
+    fn columns(self, records: &[[f32; 8]]) -> [F32; 8] {
+        let records = &records[..WIDTH];
+        // SAFETY: the token proves the instructions; each record is a vector long.
+        unsafe {
+            let mut rows = [_mm256_setzero_ps(); 8];
+            for i in 0..WIDTH {
+                rows[i] = _mm256_loadu_ps(records[i].as_ptr());
+            }
+            // Records 0..4 and 4..8 side by side, so that shuffles within 128 bits do the rest.
+            let mut low = [_mm256_setzero_ps(); 4];
+            let mut high = low;
+            for i in 0..4 {
+                low[i] = _mm256_permute2f128_ps::<0x20>(rows[i], rows[i + 4]);
+                high[i] = _mm256_permute2f128_ps::<0x31>(rows[i], rows[i + 4]);
+            }
+            let [a, b, c, d] = four_columns(low);
+            let [e, f, g, h] = four_columns(high);
+            [a, b, c, d, e, f, g, h]
+        }
+    }
+
+    #[inline(always)]
     fn compress(self, mask: Mask, x: U32, to: &mut [u32]) -> usize {
         let to = &mut to[..WIDTH];
         let bits = self.bits(mask);
@@ -190,6 +212,25 @@ impl Simd for Avx2 {
             let ordered = |x| U32(_mm256_castpd_si256(_mm256_permute4x64_pd::<0b11_01_10_00>(x)));
             (ordered(even), ordered(odd))
         }
+    }
+}
+
+/// Transposes 4 × 4 within both 128-bit halves.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+unsafe fn four_columns([a, b, c, d]: [__m256; 4]) -> [F32; 4] {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let (ab, cd) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
+        let (ab2, cd2) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
+        [
+            F32(_mm256_shuffle_ps::<0b01_00_01_00>(ab, cd)),
+            F32(_mm256_shuffle_ps::<0b11_10_11_10>(ab, cd)),
+            F32(_mm256_shuffle_ps::<0b01_00_01_00>(ab2, cd2)),
+            F32(_mm256_shuffle_ps::<0b11_10_11_10>(ab2, cd2)),
+        ]
     }
 }
 

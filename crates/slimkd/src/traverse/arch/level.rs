@@ -2,6 +2,8 @@
 
 #[cfg(target_arch = "x86_64")]
 use super::{Avx2, Avx512, Sse2, Twice};
+#[cfg(target_arch = "aarch64")]
+use super::{Neon, Twice};
 use super::{Scalar, Simd};
 use std::sync::OnceLock;
 
@@ -54,6 +56,8 @@ impl InstructionSet {
     pub fn is_available(self) -> bool {
         match self {
             Self::Scalar => true,
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => true,
             #[cfg(target_arch = "x86_64")]
             Self::Sse2 => true,
             #[cfg(target_arch = "x86_64")]
@@ -93,6 +97,9 @@ impl InstructionSet {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: SSE2 is part of x86-64.
             Self::Sse2 => kernel.run(Twice(Twice(unsafe { Sse2::new() }))),
+            #[cfg(target_arch = "aarch64")]
+            // SAFETY: NEON is part of 64-bit ARM.
+            Self::Neon => kernel.run(Twice(Twice(unsafe { Neon::new() }))),
             _ => kernel.run(Scalar),
         }
     }

@@ -23,6 +23,8 @@ mod twice;
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+#[cfg(target_arch = "aarch64")]
+mod neon;
 #[cfg(target_arch = "x86_64")]
 mod sse2;
 
@@ -32,6 +34,8 @@ pub(crate) use level::Kernel;
 pub(crate) use scalar::Scalar;
 pub(crate) use twice::Twice;
 
+#[cfg(target_arch = "aarch64")]
+pub(crate) use neon::Neon;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use {avx2::Avx2, avx512::Avx512, sse2::Sse2};
 
@@ -85,6 +89,9 @@ pub(crate) trait Simd: Copy + Send + Sync + 'static {
     fn store(self, x: Self::F, to: &mut [f32]);
     /// As [`Simd::store`].
     fn store_u32(self, x: Self::U, to: &mut [u32]);
+
+    /// The first records of a slice as columns: lane `i` of column `k` is `records[i][k]`. Panics when it is shorter.
+    fn columns(self, records: &[[f32; 8]]) -> [Self::F; 8];
 
     /// `a` where it is the larger, else `b`: as `prepared::larger`, so a NaN in `a` is passed over.
     fn larger(self, a: Self::F, b: Self::F) -> Self::F;

@@ -122,6 +122,12 @@ impl Simd for Scalar {
     }
 
     #[inline(always)]
+    fn columns(self, records: &[[f32; 8]]) -> [Self::F; 8] {
+        let records = &records[..WIDTH];
+        from_fn(|k| Array(from_fn(|i| records[i][k])))
+    }
+
+    #[inline(always)]
     fn larger(self, a: Self::F, b: Self::F) -> Self::F {
         choose(self.lt(b, a), a, b)
     }

@@ -151,6 +151,27 @@ impl Simd for Sse2 {
     }
 
     #[inline(always)]
+    fn columns(self, records: &[[f32; 8]]) -> [F32; 8] {
+        let [a, b, c, d] = [&records[0], &records[1], &records[2], &records[3]];
+        // SAFETY: the token proves the instructions; each record is two vectors long.
+        unsafe {
+            let half = |k: usize| {
+                let row = |record: &[f32; 8]| _mm_loadu_ps(record.as_ptr().add(k));
+                let (low, high) = (_mm_unpacklo_ps(row(a), row(b)), _mm_unpackhi_ps(row(a), row(b)));
+                let (low2, high2) = (_mm_unpacklo_ps(row(c), row(d)), _mm_unpackhi_ps(row(c), row(d)));
+                [
+                    F32(_mm_movelh_ps(low, low2)),
+                    F32(_mm_movehl_ps(low2, low)),
+                    F32(_mm_movelh_ps(high, high2)),
+                    F32(_mm_movehl_ps(high2, high)),
+                ]
+            };
+            let ([a, b, c, d], [e, f, g, h]) = (half(0), half(4));
+            [a, b, c, d, e, f, g, h]
+        }
+    }
+
+    #[inline(always)]
     fn permute(self, x: F32, from: U32) -> F32 {
         self.cast_f32(self.permute_u32(self.cast_u32(x), from))
     }

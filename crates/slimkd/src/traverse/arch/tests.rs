@@ -78,6 +78,11 @@ impl Kernel for Everything {
         put(s, s.permute(a, from), &mut out);
         put_u32(s, s.permute_u32(u, from), &mut out);
 
+        let records: [[f32; 8]; LANES] = std::array::from_fn(|i| std::array::from_fn(|k| (8 * i + k) as f32));
+        for column in s.columns(&records) {
+            put(s, column, &mut out);
+        }
+
         let bytes: Vec<u8> = (0..256u32).map(|i| (i.wrapping_mul(97) >> 2) as u8).collect();
         // SAFETY: the largest index is 15 · 5 + 8 bytes, 15 · 8 + 8, 15 · 4 + 4; all lie in the 256 bytes.
         unsafe {

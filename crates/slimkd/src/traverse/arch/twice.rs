@@ -106,6 +106,15 @@ impl<S: Simd> Simd for Twice<S> {
         self.0.store_u32(x.1, upper);
     }
 
+    #[inline(always)]
+    fn columns(self, records: &[[f32; 8]]) -> [Self::F; 8] {
+        let records = &records[..Self::WIDTH];
+        let [a, b, c, d, e, f, g, h] = self.0.columns(records);
+        let upper = self.0.columns(&records[S::WIDTH..]);
+        let [p, q, r, s, t, u, v, w] = upper;
+        [Pair(a, p), Pair(b, q), Pair(c, r), Pair(d, s), Pair(e, t), Pair(f, u), Pair(g, v), Pair(h, w)]
+    }
+
     halves! {
         larger(a: F, b: F) -> F;
         smaller(a: F, b: F) -> F;

@@ -1,0 +1,263 @@
+//! Up to 16·G rays side by side: what `PreparedRay` and `Shear` hold of one ray, a lane each.
+//!
+//! The operations are those of `prepared.rs` and `geometry/intersect.rs` in their order, so slopes have the same bits
+//! and the proofs there hold a lane at a time.
+
+use crate::geometry::{Aabb, Ray};
+use crate::traverse::Planes;
+use crate::traverse::arch::Simd;
+use crate::traverse::prepared::{PARALLEL, SLACK, reciprocal};
+
+/// Lanes of one vector.
+pub(super) const WIDTH: usize = 16;
+
+/// Vectors of one quantity.
+pub(super) type Lanes<V, const G: usize> = [V; G];
+
+/// Prepared rays and what they have found.
+pub(super) struct Group<S: Simd, const G: usize> {
+    pub(super) origin: [Lanes<S::F, G>; 3],
+    /// As `PreparedRay::origin`: in the tree's plane coordinates.
+    pub(super) start: [Lanes<S::F, G>; 3],
+    /// As `PreparedRay::inverse`.
+    pub(super) inverse: [Lanes<S::F, G>; 3],
+    /// As `PreparedRay::slack`.
+    pub(super) slack: [Lanes<S::F, G>; 3],
+    /// As `Shear::slope`.
+    pub(super) slope: [Lanes<S::F, G>; 2],
+    /// The direction's longest component.
+    pub(super) depth: Lanes<S::F, G>,
+    /// Interval inside the bounds, scaled units; empty for rays that are not to be traced.
+    pub(super) enter: Lanes<S::F, G>,
+    pub(super) exit: Lanes<S::F, G>,
+    pub(super) t_min: Lanes<S::F, G>,
+    pub(super) scale: Lanes<S::F, G>,
+    /// Largest t that still matters: the best hit's, at first t_max.
+    pub(super) limit: Lanes<S::F, G>,
+    /// The best hit's triangle, `u32::MAX` without one.
+    pub(super) triangle: Lanes<S::U, G>,
+    pub(super) u: Lanes<S::F, G>,
+    pub(super) v: Lanes<S::F, G>,
+}
+
+/// Which lanes agree in what a walk needs to be the same for all; bit `i` is ray `i`.
+#[derive(Clone, Copy)]
+pub(super) struct Classes {
+    /// Rays that are valid and meet the bounds.
+    pub(super) traced: u64,
+    /// Rays that descend on an axis.
+    pub(super) negative: [u64; 3],
+    /// Rays whose longest component is on axis 0, on axis 1.
+    longest: [u64; 2],
+}
+
+/// What the rays of one walk have in common.
+#[derive(Clone, Copy)]
+pub(super) struct Class {
+    /// 1 where the rays descend: which child is near.
+    pub(super) near: [u32; 3],
+    /// `Shear::axes`.
+    pub(super) axes: [usize; 3],
+}
+
+impl Class {
+    /// Whether the longest component is negative.
+    #[inline(always)]
+    pub(super) fn descends(&self) -> bool {
+        self.near[self.axes[2]] != 0
+    }
+}
+
+impl Classes {
+    /// The class of ray `index`, and all of `among` that share it.
+    #[inline(always)]
+    pub(super) fn of(&self, index: u32, among: u64) -> (Class, u64) {
+        let mut lanes = among;
+        let mut keep = |mask: u64| {
+            let yes = mask >> index & 1 == 1;
+            lanes &= if yes { mask } else { !mask };
+            yes
+        };
+        let near = [
+            u32::from(keep(self.negative[0])),
+            u32::from(keep(self.negative[1])),
+            u32::from(keep(self.negative[2])),
+        ];
+        let z = match (keep(self.longest[0]), keep(self.longest[1])) {
+            (true, _) => 0,
+            (_, true) => 1,
+            _ => 2,
+        };
+        (Class { near, axes: [(z + 1) % 3, (z + 2) % 3, z] }, lanes)
+    }
+}
+
+/// What invalid rays are filled up with: it misses by definition.
+const NO_RAY: Ray = Ray { origin: [0.0; 3], direction: [0.0; 3], t_min: 0.0, t_max: 0.0 };
+
+impl<S: Simd, const G: usize> Group<S, G> {
+    /// Prepares at most 16·G rays; missing ones miss.
+    #[inline(always)]
+    pub(super) fn new(s: S, rays: &[Ray], bounds: &Aabb, planes: &Planes) -> (Self, Classes) {
+        let mut filled = [[NO_RAY; WIDTH]; G];
+        let rays = if rays.len() >= G * WIDTH {
+            &rays[..G * WIDTH]
+        } else {
+            filled.as_flattened_mut()[..rays.len()].copy_from_slice(rays);
+            filled.as_flattened()
+        };
+        // SAFETY: a ray is `repr(C)` and holds eight f32, so a slice of rays is one of as many records.
+        let records: &[[f32; 8]] = unsafe { std::slice::from_raw_parts(rays.as_ptr().cast(), rays.len()) };
+        let zeros = [s.f32s(0.0); G];
+        let mut group = Self {
+            origin: [zeros; 3],
+            start: [zeros; 3],
+            inverse: [zeros; 3],
+            slack: [zeros; 3],
+            slope: [zeros; 2],
+            depth: zeros,
+            enter: zeros,
+            exit: zeros,
+            t_min: zeros,
+            scale: zeros,
+            limit: zeros,
+            triangle: [s.u32s(u32::MAX); G],
+            u: zeros,
+            v: zeros,
+        };
+        let mut classes = Classes { traced: 0, negative: [0; 3], longest: [0; 2] };
+        for g in 0..G {
+            group.prepare(s, g, &records[g * WIDTH..], bounds, planes, &mut classes);
+        }
+        (group, classes)
+    }
+
+    #[inline(always)]
+    fn prepare(
+        &mut self,
+        s: S,
+        g: usize,
+        records: &[[f32; 8]],
+        bounds: &Aabb,
+        planes: &Planes,
+        classes: &mut Classes,
+    ) {
+        let [ox, oy, oz, dx, dy, dz, t_min, t_max] = s.columns(records);
+        let (origin, direction) = ([ox, oy, oz], [dx, dy, dz]);
+        let at = g * WIDTH;
+
+        // Valid rays, as `Ray::is_valid`.
+        let zero = s.f32s(0.0);
+        let infinity = s.f32s(f32::INFINITY);
+        let mut valid = s.le(t_min, t_max);
+        for x in [ox, oy, oz, dx, dy, dz] {
+            valid = valid & s.lt(s.abs(x), infinity);
+        }
+        let size = [s.abs(direction[0]), s.abs(direction[1]), s.abs(direction[2])];
+        valid = valid & (s.lt(zero, size[0]) | s.lt(zero, size[1]) | s.lt(zero, size[2]));
+
+        // The longest axis, as `Shear::new` breaks ties.
+        let x_over_y = s.lt(size[1], size[0]);
+        let is_x = x_over_y & s.lt(size[2], size[0]);
+        let is_y = !x_over_y & s.lt(size[2], size[1]);
+        let depth = pick(s, [is_x, is_y], direction);
+        self.slope[0][g] = pick(s, [is_x, is_y], [direction[1], direction[2], direction[0]]) / depth;
+        self.slope[1][g] = pick(s, [is_x, is_y], [direction[2], direction[0], direction[1]]) / depth;
+        self.depth[g] = depth;
+
+        // Scale: the power of two at or below the longest component, and its reciprocal.
+        let exponent = s.cast_u32(s.abs(depth)) & s.u32s(0x7f80_0000);
+        let least = s.u32s(f32::MIN_POSITIVE.to_bits());
+        let exponent = s.select_u32(s.lt_u32(exponent, least), least, exponent);
+        let scale = s.cast_f32(exponent);
+        let last = s.u32s(254 << 23);
+        let unscale = s.cast_f32(last - exponent);
+        let top = s.eq_u32(exponent, last);
+        let unscale = s.select(top, s.f32s(2.0f32.powi(-127)), unscale);
+
+        // The width of split planes.
+        let mut reach = zero;
+        for k in 0..3 {
+            let (low, high) = (s.f32s(bounds.min[k]) - origin[k], s.f32s(bounds.max[k]) - origin[k]);
+            reach = s.larger(s.abs(high), s.larger(s.abs(low), reach));
+        }
+        let slack = s.f32s(SLACK) * reach;
+
+        let (mut enter, mut exit) = (t_min * scale, t_max * scale);
+        for k in 0..3 {
+            let d = direction[k] * unscale;
+            let sign = s.cast_u32(d) & s.u32s(1 << 31);
+            let small = s.cast_f32(sign | s.u32s(PARALLEL.to_bits()));
+            let d = s.select(s.lt(s.abs(d), s.f32s(PARALLEL)), small, d);
+            let inverse = s.f32s(1.0) / d;
+            let width = (slack + s.f32s(planes.cell[k])) * s.abs(inverse);
+            let low = (s.f32s(bounds.min[k]) - origin[k]) * inverse;
+            let high = (s.f32s(bounds.max[k]) - origin[k]) * inverse;
+            let negative = s.lt(d, zero);
+            let (first, last) = (s.select(negative, high, low), s.select(negative, low, high));
+            enter = s.larger(first - width, enter);
+            exit = s.smaller(last + width, exit);
+            classes.negative[k] |= u64::from(s.bits(negative)) << at;
+            let start = (origin[k] - s.f32s(planes.low[k])) * s.f32s(planes.scale[k]) + s.f32s(planes.shift);
+            self.origin[k][g] = origin[k];
+            self.start[k][g] = start;
+            self.inverse[k][g] = inverse * s.f32s(reciprocal(planes.scale[k]));
+            self.slack[k][g] = width;
+        }
+        valid = valid & s.le(enter, exit);
+        classes.traced |= u64::from(s.bits(valid)) << at;
+        classes.longest[0] |= u64::from(s.bits(is_x)) << at;
+        classes.longest[1] |= u64::from(s.bits(is_y)) << at;
+        (self.enter[g], self.exit[g]) = (enter, exit);
+        (self.t_min[g], self.limit[g], self.scale[g]) = (t_min, t_max, scale);
+    }
+
+    /// Whether `lanes` start at the point `eye`, to the last bit.
+    #[inline(always)]
+    pub(super) fn all_start_at(&self, s: S, eye: [f32; 3], lanes: u64) -> bool {
+        let mut same = lanes;
+        for g in 0..G {
+            let mut here = s.mask(u32::MAX);
+            for k in 0..3 {
+                here = here & s.eq_u32(s.cast_u32(self.origin[k][g]), s.u32s(eye[k].to_bits()));
+            }
+            same &= u64::from(s.bits(here)) << (g * WIDTH) | !(0xffff << (g * WIDTH));
+        }
+        same == lanes
+    }
+
+    /// Vector `g` alone.
+    #[inline(always)]
+    pub(super) fn part(&self, g: usize) -> Group<S, 1> {
+        Group {
+            origin: [[self.origin[0][g]], [self.origin[1][g]], [self.origin[2][g]]],
+            start: [[self.start[0][g]], [self.start[1][g]], [self.start[2][g]]],
+            inverse: [[self.inverse[0][g]], [self.inverse[1][g]], [self.inverse[2][g]]],
+            slack: [[self.slack[0][g]], [self.slack[1][g]], [self.slack[2][g]]],
+            slope: [[self.slope[0][g]], [self.slope[1][g]]],
+            depth: [self.depth[g]],
+            enter: [self.enter[g]],
+            exit: [self.exit[g]],
+            t_min: [self.t_min[g]],
+            scale: [self.scale[g]],
+            limit: [self.limit[g]],
+            triangle: [self.triangle[g]],
+            u: [self.u[g]],
+            v: [self.v[g]],
+        }
+    }
+
+    /// Takes back what `part` found.
+    #[inline(always)]
+    pub(super) fn take(&mut self, g: usize, part: &Group<S, 1>) {
+        self.limit[g] = part.limit[0];
+        self.triangle[g] = part.triangle[0];
+        (self.u[g], self.v[g]) = (part.u[0], part.v[0]);
+    }
+}
+
+/// Of three, the one that the longest axis names.
+#[inline(always)]
+fn pick<S: Simd>(s: S, [is_x, is_y]: [S::M; 2], [x, y, z]: [S::F; 3]) -> S::F {
+    s.select(is_x, x, s.select(is_y, y, z))
+}

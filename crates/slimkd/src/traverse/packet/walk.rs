@@ -1,0 +1,194 @@
+//! Up to 16·G rays through the tree together.
+//!
+//! Sources: Wald et al., *Interactive Rendering with Coherent Ray Tracing*, EG 2001, for packets; `single.rs` for every
+//! comparison: a lane's interval takes the same values here as there.
+//!
+//! Deviations
+//! 1. No mask says which rays are active: a ray is active where its interval is not empty. The slab rule of
+//!    `prepared.rs` empties exactly the intervals of the children that the single walk leaves out. A NaN (of an
+//!    infinite scene) empties nothing, as there.
+//! 2. G vectors share one walk: a node is fetched and decoded once for 64 rays.
+//! 3. With a common origin the distance to a plane and to a triangle's corners is computed once for all rays.
+//! 4. A triangle is fetched while the one before it is tested.
+
+use super::group::{Class, Group, Lanes, WIDTH};
+use super::triangle::test;
+use crate::traverse::Planes;
+use crate::traverse::arch::Simd;
+use crate::traverse::counters::count;
+use crate::tree::{Ids, Nodes, Step};
+
+/// A far child to come back to.
+pub(super) struct Far<S: Simd, const G: usize> {
+    enter: Lanes<S::F, G>,
+    exit: Lanes<S::F, G>,
+    node: u32,
+}
+
+/// Far children, nearest last.
+pub(super) type Stack<S, const G: usize> = Vec<Far<S, G>>;
+
+/// Where the rays start, if at one point: in the scene, and in plane coordinates.
+#[derive(Clone, Copy)]
+pub(super) struct Eye {
+    at: [f32; 3],
+    start: [f32; 3],
+}
+
+impl Eye {
+    #[inline(always)]
+    pub(super) fn new(at: [f32; 3], planes: &Planes) -> Self {
+        let mut start = at;
+        for k in 0..3 {
+            start[k] = (at[k] - planes.low[k]) * planes.scale[k] + planes.shift;
+        }
+        Self { at, start }
+    }
+}
+
+/// Traces the rays of `lanes`, which are all of one class, and with `COMMON` all start at `eye`.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)]
+pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const ANY: bool>(
+    s: S,
+    nodes: N,
+    group: &mut Group<S, G>,
+    class: Class,
+    lanes: u64,
+    eye: Eye,
+    stack: &mut Stack<S, G>,
+) {
+    let (mut enter, mut exit) = (group.enter, group.exit);
+    for g in 0..G {
+        let mask = s.mask((lanes >> (g * WIDTH)) as u32);
+        enter[g] = s.select(mask, enter[g], s.f32s(f32::INFINITY));
+        exit[g] = s.select(mask, exit[g], s.f32s(f32::NEG_INFINITY));
+    }
+    stack.clear();
+    let mut buffer = Ids::new();
+    count(|c| (c.rays, c.walks) = (c.rays + u64::from(lanes.count_ones()), c.walks + 1));
+    let mut address = 0;
+    loop {
+        let mut step = nodes.node(address);
+        count(|c| {
+            c.nodes += 1;
+            c.node_lanes += (G * WIDTH) as u64;
+            for g in 0..G {
+                c.ray_nodes += u64::from(s.bits(s.le(enter[g], exit[g])).count_ones());
+            }
+        });
+        let reference;
+        let mut ids = match &mut step {
+            Step::Leaf(leaf) => nodes.take(leaf, &mut buffer),
+            Step::Inner(node) => match node.t_reference {
+                None => &[],
+                Some(id) => {
+                    reference = [id];
+                    &reference[..]
+                }
+            },
+        };
+        // One place for both kinds of node: this is most of the code.
+        if !ids.is_empty() {
+            while !ids.is_empty() {
+                offer::<S, N, G, COMMON, ANY>(s, nodes, group, class, eye, ids, &enter, &exit);
+                ids = match &mut step {
+                    Step::Leaf(leaf) => nodes.take(leaf, &mut buffer),
+                    Step::Inner(_) => &[],
+                };
+            }
+            for g in 0..G {
+                exit[g] = s.smaller(group.limit[g] * group.scale[g], exit[g]);
+            }
+        }
+        if let Step::Inner(node) = step {
+            let axis = node.axis;
+            let beyond = node.stride & class.near[axis].wrapping_neg();
+            let (near, far) = (node.left + beyond, node.left + node.stride - beyond);
+            let from_eye = s.f32s(node.split - eye.start[axis]);
+            let split = s.f32s(node.split);
+            let (mut far_enter, mut near_exit) = (enter, exit);
+            let (mut into_near, mut into_far) = (s.mask(0), s.mask(0));
+            for g in 0..G {
+                let distance = if COMMON { from_eye } else { split - group.start[axis][g] };
+                let middle = distance * group.inverse[axis][g];
+                let slack = group.slack[axis][g];
+                far_enter[g] = s.larger(middle - slack, enter[g]);
+                near_exit[g] = s.smaller(middle + slack, exit[g]);
+                into_near = into_near | s.le(enter[g], near_exit[g]);
+                into_far = into_far | s.le(far_enter[g], exit[g]);
+            }
+            if !s.any(into_far) {
+                address = near;
+                continue;
+            }
+            if !s.any(into_near) {
+                address = far;
+                continue;
+            }
+            stack.push(Far { enter: far_enter, exit, node: far });
+            exit = near_exit;
+            address = near;
+            continue;
+        }
+        loop {
+            let Some(far) = stack.pop() else { return };
+            let mut active = s.mask(0);
+            for g in 0..G {
+                enter[g] = far.enter[g];
+                exit[g] = s.smaller(group.limit[g] * group.scale[g], far.exit[g]);
+                active = active | s.le(enter[g], exit[g]);
+            }
+            if s.any(active) {
+                address = far.node;
+                break;
+            }
+        }
+    }
+}
+
+/// Tests triangles against every vector that has active rays.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)]
+fn offer<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const ANY: bool>(
+    s: S,
+    nodes: N,
+    group: &mut Group<S, G>,
+    class: Class,
+    eye: Eye,
+    ids: &[u32],
+    enter: &Lanes<S::F, G>,
+    exit: &Lanes<S::F, G>,
+) {
+    let mut active = [s.mask(0); G];
+    for g in 0..G {
+        active[g] = s.le(enter[g], exit[g]);
+    }
+    count(|c| c.triangles += ids.len() as u64);
+    let mut next = nodes.corners(ids[0]);
+    for (index, &id) in ids.iter().enumerate() {
+        let at = next;
+        if let Some(&after) = ids.get(index + 1) {
+            next = nodes.corners(after);
+        }
+        let mut corners = at;
+        for i in 0..3 {
+            for k in 0..3 {
+                let x = at[i][class.axes[k]];
+                corners[i][k] = if COMMON { x - eye.at[class.axes[k]] } else { x };
+            }
+        }
+        for g in 0..G {
+            if s.any(active[g]) {
+                count(|c| {
+                    c.triangle_lanes += WIDTH as u64;
+                    c.ray_triangles += u64::from(s.bits(active[g]).count_ones());
+                });
+                let hit = test::<S, G, COMMON, ANY>(s, group, g, active[g], class, &corners, id);
+                if ANY {
+                    active[g] = active[g] & !hit;
+                }
+            }
+        }
+    }
+}
