@@ -58,18 +58,38 @@ impl Shader<'_> {
         rays: &mut RenderStatistics,
     ) -> Vec3 {
         let direction = Vec3::from(ray.direction);
-        let mesh = self.tree.mesh();
-        let Some((hit, surface)) =
-            hit.and_then(|hit| Some((hit, Surface::new(self.scene, mesh, hit, direction)?)))
-        else {
-            return self.settings.sky.radiance(direction.dot(self.up));
-        };
-        let material = self.material(hit.triangle);
-        let reflection = material.reflection.clamp(0.0, 1.0);
-        let transmission = (1.0 - reflection) * material.transmission.clamp(0.0, 1.0);
-        let opaque = 1.0 - reflection - transmission;
+        match hit.and_then(|hit| Some((hit, self.surface(ray, hit)?))) {
+            Some((hit, surface)) => self.shade(direction, hit, &surface, path, None, rays),
+            None => self.sky(direction),
+        }
+    }
 
-        let mut colour = material.emission + self.direct(material, &surface, direction, opaque, path, rays);
+    /// What a ray finds where it hits; `None` on a triangle without an area.
+    pub(crate) fn surface(&self, ray: &Ray, hit: &Hit) -> Option<Surface> {
+        Surface::new(self.scene, self.tree.mesh(), hit, ray.direction.into())
+    }
+
+    /// Radiance from where nothing is.
+    pub(crate) fn sky(&self, direction: Vec3) -> Vec3 {
+        self.settings.sky.radiance(direction.dot(self.up))
+    }
+
+    /// Radiance that leaves a surface against `direction`. `blocked` says for each light whether something stands before
+    /// it, where the caller knows.
+    pub(crate) fn shade(
+        &self,
+        direction: Vec3,
+        hit: &Hit,
+        surface: &Surface,
+        path: Path,
+        blocked: Option<&[bool]>,
+        rays: &mut RenderStatistics,
+    ) -> Vec3 {
+        let material = self.material(hit.triangle);
+        let [reflection, transmission, opaque] = shares(material);
+
+        let direct = self.direct(material, surface, direction, opaque, path, blocked, rays);
+        let mut colour = material.emission + direct;
         if path.depth >= self.settings.max_depth {
             return colour;
         }
@@ -88,7 +108,7 @@ impl Shader<'_> {
                     let share = transmission * (1.0 - fresnel);
                     if path.weight * share >= self.settings.min_contribution {
                         rays.refraction += 1;
-                        colour += share * self.follow(&surface, refracted, path, share, rays);
+                        colour += share * self.follow(surface, refracted, path, share, rays);
                     }
                 }
             }
@@ -99,7 +119,7 @@ impl Shader<'_> {
             if reflected.dot(surface.geometric) <= 0.0 {
                 reflected = direction.reflect(surface.geometric);
             }
-            colour += mirrored * self.follow(&surface, reflected, path, mirrored, rays);
+            colour += mirrored * self.follow(surface, reflected, path, mirrored, rays);
         }
         colour
     }
@@ -126,6 +146,7 @@ impl Shader<'_> {
     }
 
     /// Light from the lights and the sky; `opaque` is the diffuse share.
+    #[allow(clippy::too_many_arguments)]
     fn direct(
         &self,
         material: &Material,
@@ -133,52 +154,86 @@ impl Shader<'_> {
         direction: Vec3,
         opaque: f32,
         path: Path,
+        blocked: Option<&[bool]>,
         rays: &mut RenderStatistics,
     ) -> Vec3 {
-        let texture = material.texture.and_then(|index| self.scene.textures.get(index as usize));
-        let diffuse = match (texture, surface.uv) {
-            (Some(texture), Some(uv)) => material.diffuse * texture.sample(uv),
-            _ => material.diffuse,
-        } * opaque;
-
+        let diffuse = self.diffuse(material, surface, opaque);
         let mut colour = Vec3::ZERO;
         if diffuse != Vec3::ZERO {
             let ambient = self.settings.sky.irradiance(surface.shading.dot(self.up));
             colour = diffuse * ambient * self.openness(surface, path, rays);
         }
-        for light in self.lights {
-            let Some((towards, distance, irradiance)) = arriving(light, surface.position) else { continue };
-            let cos = surface.shading.dot(towards);
-            if cos <= 0.0 || surface.geometric.dot(towards) <= 0.0 {
+        for (index, light) in self.lights.iter().enumerate() {
+            let Some((seen, ray)) = self.lit(light, material, surface, direction, diffuse, path.weight)
+            else {
                 continue;
-            }
-            let half = (towards - direction).normalize_or(surface.shading);
-            let highlight = surface.shading.dot(half).max(0.0).powf(material.shininess.max(1.0));
-            let seen = irradiance * (diffuse * cos + material.specular * highlight);
-            if seen.max_element() * path.weight <= 0.0 {
-                continue;
-            }
-            colour += seen * self.visibility(surface, towards, distance, light, rays);
+            };
+            colour += seen
+                * match blocked {
+                    Some(blocked) => f32::from(!blocked[index]),
+                    None => self.visibility(ray, rays),
+                };
         }
         colour
     }
 
-    /// Share of a light that reaches the surface.
-    fn visibility(
+    /// The diffuse colour where the ray hit, times its share.
+    fn diffuse(&self, material: &Material, surface: &Surface, opaque: f32) -> Vec3 {
+        let texture = material.texture.and_then(|index| self.scene.textures.get(index as usize));
+        let colour = match (texture, surface.uv) {
+            (Some(texture), Some(uv)) => material.diffuse * texture.sample(uv),
+            _ => material.diffuse,
+        };
+        colour * opaque
+    }
+
+    /// What a light would add if nothing stood before it, and the ray that finds out; `None` when it adds nothing.
+    fn lit(
         &self,
-        surface: &Surface,
-        towards: Vec3,
-        distance: f32,
         light: &Light,
-        rays: &mut RenderStatistics,
-    ) -> f32 {
+        material: &Material,
+        surface: &Surface,
+        direction: Vec3,
+        diffuse: Vec3,
+        weight: f32,
+    ) -> Option<(Vec3, Ray)> {
+        let (towards, distance, irradiance) = arriving(light, surface.position)?;
+        let cos = surface.shading.dot(towards);
+        if cos <= 0.0 || surface.geometric.dot(towards) <= 0.0 {
+            return None;
+        }
+        let half = (towards - direction).normalize_or(surface.shading);
+        let highlight = surface.shading.dot(half).max(0.0).powf(material.shininess.max(1.0));
+        let seen = irradiance * (diffuse * cos + material.specular * highlight);
+        if seen.max_element() * weight <= 0.0 {
+            return None;
+        }
         let origin = surface.shadow_origin + surface.geometric * surface.offset;
         // From the point where the ray really starts, so that it ends at the light; the end is pulled in because a
         // lamp may stand on a surface.
-        let mut ray = match light {
+        let ray = match light {
             Light::Directional { .. } => Ray::new(origin, towards).with_range(0.0, distance),
             Light::Point { position, .. } => Ray::new(origin, *position - origin).with_range(0.0, 1.0 - 1e-4),
         };
+        Some((seen, ray))
+    }
+
+    /// The rays that a picture's first hits send to light `index`, where blocked or not is all that matters: not when
+    /// something transparent may stand in the way.
+    pub(crate) fn shadow_ray(
+        &self,
+        index: usize,
+        direction: Vec3,
+        hit: &Hit,
+        surface: &Surface,
+    ) -> Option<Ray> {
+        let material = self.material(hit.triangle);
+        let diffuse = self.diffuse(material, surface, shares(material)[2]);
+        self.lit(&self.lights[index], material, surface, direction, diffuse, 1.0).map(|(_, ray)| ray)
+    }
+
+    /// Share of a light that arrives along a shadow ray.
+    fn visibility(&self, mut ray: Ray, rays: &mut RenderStatistics) -> f32 {
         if !self.transparent {
             rays.shadow += 1;
             return if self.tree.any_hit(&ray) { 0.0 } else { 1.0 };
@@ -225,6 +280,13 @@ impl Shader<'_> {
         }
         open / count as f32
     }
+}
+
+/// How a material splits light: mirrored, let through, diffuse.
+fn shares(material: &Material) -> [f32; 3] {
+    let reflection = material.reflection.clamp(0.0, 1.0);
+    let transmission = (1.0 - reflection) * material.transmission.clamp(0.0, 1.0);
+    [reflection, transmission, 1.0 - reflection - transmission]
 }
 
 /// Direction to the light, distance and irradiance at `position`; `None` when they coincide.
