@@ -104,3 +104,16 @@ fn the_bytes_do_not_depend_on_threads() {
         assert!(one == bytes(2) && one == bytes(5), "{variant}");
     }
 }
+
+#[test]
+fn the_bytes_do_not_depend_on_threads_where_bytes_are_priced_by_a_sample() {
+    let mesh = Arc::new(sphere(8)); // enough subtrees that only some are built in full
+    let bytes = |threads: usize| {
+        let mut options = BuildOptions::from(Preset::Slim);
+        options.threads = NonZeroUsize::new(threads);
+        let mut out = Vec::new();
+        KdTree::build(Arc::clone(&mesh), &options).unwrap().write(&mut out).unwrap();
+        out
+    };
+    assert!(bytes(1) == bytes(3));
+}

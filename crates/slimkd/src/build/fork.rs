@@ -7,32 +7,32 @@ use super::BuildError;
 use super::fragment::Fragment;
 use super::partition::Partition;
 use super::plan::{Plan, PlanNode};
-use super::recursion::{Builder, SORT_SHARE};
+use super::recursion::{Builder, TOP_SHARE};
 use super::search::Scratch;
 use crate::geometry::Aabb;
 use rayon::prelude::*;
 
 /// Below this many triangles a node is built by one thread: splitting finer costs more than it gains.
-const SEQUENTIAL_BELOW: usize = 8192;
+const SEQUENTIAL_BELOW: usize = 4096;
 /// Fork and join at most this deep, so that a scene that cuts off triangles one by one cannot use up the stack.
 const PARALLEL_DEPTH: u32 = 24;
 /// Fragments in a piece: 1 MB, which fits a core's cache.
 const PIECE: usize = 32_768;
 
 /// A node still to be built.
-struct Task {
+pub(super) struct Task {
     pieces: Vec<Vec<Fragment>>,
-    voxel: Aabb,
+    pub(super) voxel: Aabb,
     /// Share of the whole build, for progress.
-    weight: f64,
+    pub(super) weight: f64,
 }
 
 impl Task {
-    fn count(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         self.pieces.iter().map(Vec::len).sum()
     }
 
-    fn into_one(self) -> Vec<Fragment> {
+    pub(super) fn into_one(self) -> Vec<Fragment> {
         let count = self.count();
         let mut pieces = self.pieces.into_iter();
         let mut all = pieces.next().unwrap_or_default();
@@ -42,52 +42,80 @@ impl Task {
     }
 }
 
-/// A plan in pieces, so that joining subtrees copies nothing until the end.
-enum Piece {
-    Plan(Plan),
-    Inner { axis: u8, split: f32, count: u32, left: Box<Piece>, right: Box<Piece> },
+/// The top of the tree; what hangs below is built once the top stands.
+pub(super) enum Top {
+    /// Subtree number.
+    Subtree(usize),
+    Inner(Box<TopNode>),
 }
 
-/// One plan of all pieces; each piece is freed as soon as it is copied.
-fn flattened(piece: Piece) -> Plan {
-    fn sizes(piece: &Piece) -> [usize; 3] {
-        match piece {
-            Piece::Plan(plan) => [plan.nodes.len(), plan.references.len(), plan.counts.len()],
-            Piece::Inner { left, right, .. } => {
-                let (left, right) = (sizes(left), sizes(right));
-                std::array::from_fn(|i| left[i] + right[i] + usize::from(i != 1))
+pub(super) struct TopNode {
+    axis: u8,
+    split: f32,
+    count: u32,
+    /// Surface area of its voxel.
+    area: f64,
+    left: Top,
+    right: Top,
+}
+
+/// What [`Builder::fork`] returns: the top with its tasks in place.
+enum Forked {
+    Task(Task),
+    Inner { node: Box<TopNode>, left: Box<Forked>, right: Box<Forked> },
+}
+
+impl Forked {
+    /// Numbers the tasks from left to right.
+    fn numbered(self, tasks: &mut Vec<Task>) -> Top {
+        match self {
+            Self::Task(task) => {
+                tasks.push(task);
+                Top::Subtree(tasks.len() - 1)
+            }
+            Self::Inner { mut node, left, right } => {
+                node.left = left.numbered(tasks);
+                node.right = right.numbered(tasks);
+                Top::Inner(node)
             }
         }
     }
-    fn append(piece: Piece, plan: &mut Plan) {
-        match piece {
-            Piece::Plan(subtree) => plan.append(&subtree),
-            Piece::Inner { axis, split, count, left, right } => {
+}
+
+impl Top {
+    /// Appends this tree to `plan`; subtrees are freed as soon as they are copied.
+    fn append(&self, subtrees: &mut [Plan], counts: bool, plan: &mut Plan) {
+        match self {
+            Self::Subtree(number) => plan.append(&std::mem::take(&mut subtrees[*number])),
+            Self::Inner(node) => {
                 let at = plan.nodes.len();
-                plan.nodes.push(PlanNode::Inner { axis, split, right: 0 });
-                plan.counts.push(count);
-                append(*left, plan);
-                plan.nodes[at] = PlanNode::Inner { axis, split, right: plan.nodes.len() as u32 };
-                append(*right, plan);
+                plan.nodes.push(PlanNode::Inner { axis: node.axis, split: node.split, right: 0 });
+                plan.counts.extend(counts.then_some(node.count));
+                node.left.append(subtrees, counts, plan);
+                plan.nodes[at] =
+                    PlanNode::Inner { axis: node.axis, split: node.split, right: plan.nodes.len() as u32 };
+                node.right.append(subtrees, counts, plan);
             }
         }
     }
-    if let Piece::Plan(plan) = piece {
-        return plan;
+
+    /// Number and summed surface area of the nodes above the subtrees.
+    pub(super) fn sums(&self) -> (usize, f64) {
+        match self {
+            Self::Subtree(_) => (0, 0.0),
+            Self::Inner(node) => {
+                let (left, right) = (node.left.sums(), node.right.sums());
+                (left.0 + right.0 + 1, left.1 + right.1 + node.area)
+            }
+        }
     }
-    let [nodes, references, counts] = sizes(&piece);
-    let mut plan = Plan {
-        nodes: Vec::with_capacity(nodes),
-        references: Vec::with_capacity(references),
-        counts: Vec::with_capacity(counts),
-        hoisted: Vec::new(),
-    };
-    append(piece, &mut plan);
-    plan
 }
 
 impl Builder<'_> {
-    /// The standard tree over `triangles`, whose bounds are `voxel`; moves the progress by `weight`.
+    /// The tree over `triangles`, whose bounds are `voxel`; moves the progress by `weight`. Collapsed already if
+    /// [`BuildOptions::collapses_while_building`].
+    ///
+    /// [`BuildOptions::collapses_while_building`]: super::BuildOptions::collapses_while_building
     pub(crate) fn build(&self, triangles: &[u32], voxel: Aabb, weight: f64) -> Result<Plan, BuildError> {
         let pieces = triangles
             .par_chunks(PIECE)
@@ -96,26 +124,38 @@ impl Builder<'_> {
                 Ok(ids.iter().map(|&id| Fragment::whole(self.mesh, id)).collect())
             })
             .collect::<Result<_, BuildError>>()?;
-        self.progress.advance(SORT_SHARE * weight);
-        let piece = self.fork(Task { pieces, voxel, weight: (1.0 - SORT_SHARE) * weight }, 0)?;
+        let below = (1.0 - TOP_SHARE) * weight;
+        let mut tasks = Vec::new();
+        let top = self.fork(Task { pieces, voxel, weight: below }, 0)?.numbered(&mut tasks);
+        self.progress.advance(weight - below);
+        let (mut subtrees, collapsed) = self.subtrees(tasks, &top, voxel.surface_area())?;
         self.drop_scratch();
-        Ok(flattened(piece))
+        if subtrees.len() == 1 {
+            return Ok(Plan { collapsed, ..std::mem::take(&mut subtrees[0]) });
+        }
+        let (inner, _) = top.sums();
+        let total = |of: fn(&Plan) -> usize| subtrees.iter().map(of).sum::<usize>();
+        let mut plan = Plan {
+            nodes: Vec::with_capacity(total(|plan| plan.nodes.len()) + inner),
+            references: Vec::with_capacity(total(|plan| plan.references.len())),
+            counts: Vec::with_capacity(total(|plan| plan.counts.len())),
+            hoisted: Vec::new(),
+            collapsed,
+        };
+        top.append(&mut subtrees, self.options.needs_counts(), &mut plan);
+        Ok(plan)
     }
 
-    fn fork(&self, task: Task, depth: u32) -> Result<Piece, BuildError> {
+    fn fork(&self, task: Task, depth: u32) -> Result<Forked, BuildError> {
         let count = task.count();
         if count < SEQUENTIAL_BELOW || depth >= PARALLEL_DEPTH {
-            let (voxel, weight) = (task.voxel, task.weight);
-            return self.sequential(task.into_one(), voxel, weight).map(Piece::Plan);
+            return Ok(Forked::Task(task));
         }
         self.check()?;
         let mut scratch = self.take_scratch();
         let split = scratch.best_split_parallel(&task.pieces, count, &task.voxel, self.options);
         self.give_scratch(scratch);
-        let Some(split) = split else {
-            let (voxel, weight) = (task.voxel, task.weight);
-            return self.sequential(task.into_one(), voxel, weight).map(Piece::Plan);
-        };
+        let Some(split) = split else { return Ok(Forked::Task(task)) };
         let Task { pieces, voxel, weight } = task;
         let exact = self.options.clipping.is_exact_for(count as u32);
         let (left, right) = self.split_pieces(pieces, &Partition { split, voxel, mesh: self.mesh, exact })?;
@@ -126,13 +166,15 @@ impl Builder<'_> {
         left.weight = weight * lefts / (lefts + rights).max(1.0);
         right.weight = weight - left.weight;
         let (left, right) = rayon::join(|| self.fork(left, depth + 1), || self.fork(right, depth + 1));
-        Ok(Piece::Inner {
+        let node = TopNode {
             axis: split.axis as u8,
             split: split.position,
             count: count as u32,
-            left: Box::new(left?),
-            right: Box::new(right?),
-        })
+            area: voxel.surface_area(),
+            left: Top::Subtree(0),
+            right: Top::Subtree(0),
+        };
+        Ok(Forked::Inner { node: Box::new(node), left: Box::new(left?), right: Box::new(right?) })
     }
 
     /// The pieces of both children.

@@ -13,6 +13,7 @@ mod progress;
 mod recursion;
 mod sah;
 mod search;
+mod subtrees;
 mod sweep;
 
 pub use options::{BuildError, BuildOptions, Clipping, Layout, Preset, SahConstants, TreeBudget};

@@ -1,6 +1,6 @@
 //! Everything that shapes a tree, and the named points of that space.
 
-use crate::reduce::Hoisting;
+use crate::reduce::{HoistAlgorithm, Hoisting};
 use std::num::NonZeroUsize;
 use thiserror::Error;
 
@@ -189,6 +189,16 @@ impl Default for BuildOptions {
 }
 
 impl BuildOptions {
+    /// Without T-references, subtrees are collapsed as soon as they are built.
+    pub(crate) fn collapses_while_building(&self) -> bool {
+        self.collapse && self.hoisting.is_none()
+    }
+
+    /// Whether the finished plan must know how many triangles each node had.
+    pub(crate) fn needs_counts(&self) -> bool {
+        self.hoisting.as_ref().is_some_and(|hoisting| hoisting.algorithm == HoistAlgorithm::Strip)
+    }
+
     pub(crate) fn validate(&self) -> Result<(), BuildError> {
         let SahConstants { traversal, intersection, empty_bonus } = self.sah;
         for (name, value) in

@@ -21,6 +21,17 @@ pub(crate) struct Plan {
     pub(crate) counts: Vec<u32>,
     /// T-references as (node, triangle), ascending by node.
     pub(crate) hoisted: Vec<(u32, u32)>,
+    /// What it was collapsed for, if the builder did that.
+    pub(crate) collapsed: Option<Collapsed>,
+}
+
+/// Prices by which the builder collapsed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Collapsed {
+    /// ℓ.
+    pub(crate) byte_weight: f32,
+    /// SAH cost over bytes, λ / ℓ, of the tree before collapsing, as estimated.
+    pub(crate) cost_of_a_byte: f64,
 }
 
 impl Plan {

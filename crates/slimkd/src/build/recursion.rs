@@ -5,21 +5,23 @@
 //! Deviations
 //! 1. A leaf also where at most [`BuildOptions::leaf_at_most`] triangles remain: calibrated on the slides' Kitchen row.
 //! 2. No recursion on the machine's stack below the parallel top, since depth is bounded only by the scene.
-//! 3. Every decision depends on the node's contents alone, so thread count and scheduling leave no trace in the tree.
+//! 3. Where bytes have a price (`reduce/collapse.rs`), a split must also pay for the two nodes that it adds: what would be
+//!    collapsed afterwards is mostly not built at all.
+//! 4. Every decision depends on the node's contents alone, so thread count and scheduling leave no trace in the tree.
 
 use super::fragment::{Fragment, TRIANGLE_LIMIT};
 use super::partition::Partition;
 use super::plan::{Plan, PlanNode};
 use super::predict::Predictor;
 use super::search::Scratch;
-use super::{BuildError, BuildOptions, Progress};
+use super::{BuildError, BuildOptions, Layout, Progress};
 use crate::geometry::{Aabb, TriangleMesh};
-use crate::reduce::HoistAlgorithm;
+use crate::reduce::{Bytes, HoistAlgorithm};
 use std::ops::Range;
 use std::sync::Mutex;
 
-/// Share of the progress bar for making the fragments: an estimate, it only paces the bar.
-pub(super) const SORT_SHARE: f64 = 0.05;
+/// Share of the progress bar for the top of the tree: an estimate, it only paces the bar.
+pub(super) const TOP_SHARE: f64 = 0.2;
 
 /// Builds standard trees over parts of one mesh; what all workers of a build share.
 pub(crate) struct Builder<'a> {
@@ -27,6 +29,23 @@ pub(crate) struct Builder<'a> {
     pub(super) options: &'a BuildOptions,
     pub(super) progress: &'a Progress,
     scratch: Mutex<Vec<Box<Scratch>>>,
+}
+
+/// What bytes cost beside rays, for a subtree that will be collapsed by both.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PriceOfBytes {
+    /// λ: SAH cost of the root's voxel that a byte must save.
+    pub(super) lambda: f64,
+    /// Surface area of the root's voxel.
+    pub(super) root_area: f64,
+}
+
+impl PriceOfBytes {
+    /// How much cheaper than a leaf a split must be so that the two nodes that it adds pay.
+    fn margin(&self, voxel: &Aabb, layout: Layout) -> f64 {
+        let added = 2.0 * Bytes::of(layout).node * self.lambda;
+        if added > 0.0 { added * self.root_area / voxel.surface_area() } else { 0.0 }
+    }
 }
 
 /// A node on the stack of one thread.
@@ -74,17 +93,19 @@ impl<'a> Builder<'a> {
         let exact = self.options.clipping.is_exact_for(triangles.len() as u32);
         let fragments =
             triangles.iter().map(|&id| Fragment::in_voxel(self.mesh, id, &voxel, exact)).collect();
-        self.sequential(fragments, voxel, 0.0)
+        self.sequential(fragments, voxel, 0.0, None)
     }
 
+    /// The tree over `fragments`, on this thread alone; moves the progress by `weight`.
     pub(super) fn sequential(
         &self,
         fragments: Vec<Fragment>,
         voxel: Aabb,
         weight: f64,
+        bytes: Option<PriceOfBytes>,
     ) -> Result<Plan, BuildError> {
         let mut scratch = self.take_scratch();
-        let result = self.build_stack(fragments, voxel, weight, &mut scratch);
+        let result = self.build_stack(fragments, voxel, weight, bytes, &mut scratch);
         self.give_scratch(scratch);
         result
     }
@@ -96,16 +117,20 @@ impl<'a> Builder<'a> {
         mut fragments: Vec<Fragment>,
         voxel: Aabb,
         weight: f64,
+        bytes: Option<PriceOfBytes>,
         scratch: &mut Scratch,
     ) -> Result<Plan, BuildError> {
         let predicting = self.options.hoisting.as_ref().filter(|h| h.algorithm == HoistAlgorithm::Predict);
         let mut predictor = predicting.map(Predictor::new);
+        let needs_counts = self.options.needs_counts();
         let mut plan = Plan::default();
         let mut done = 0.0;
         let mut pending = vec![Pending { range: 0..fragments.len(), voxel, weight, parent: None }];
         while let Some(Pending { mut range, voxel, weight, parent }) = pending.pop() {
             let at = plan.nodes.len();
-            plan.counts.push(range.len() as u32);
+            if needs_counts {
+                plan.counts.push(range.len() as u32);
+            }
             if let Some(PlanNode::Inner { right, .. }) = parent.map(|parent| &mut plan.nodes[parent]) {
                 *right = at as u32;
             }
@@ -116,7 +141,9 @@ impl<'a> Builder<'a> {
                 hoisted = predictor.pick(&mut fragments[range.clone()]);
                 range.end -= usize::from(hoisted.is_some());
             }
-            let Some(split) = scratch.best_split(&fragments[range.clone()], &voxel, self.options) else {
+            let margin = bytes.map_or(0.0, |bytes| bytes.margin(&voxel, self.options.layout));
+            let node = &fragments[range.clone()];
+            let Some(split) = scratch.best_split(node, &voxel, self.options, margin) else {
                 emit_leaf(&mut plan, &fragments[range], hoisted);
                 done += weight;
                 if done > 1e-3 {

@@ -19,12 +19,13 @@ pub(crate) struct Scratch {
 }
 
 impl Scratch {
-    /// The split to make, or `None` for a leaf.
+    /// The split to make, or `None` for a leaf. A split must be cheaper than a leaf by more than `margin`.
     pub(crate) fn best_split(
         &mut self,
         fragments: &[Fragment],
         voxel: &Aabb,
         options: &BuildOptions,
+        margin: f64,
     ) -> Option<Split> {
         let count = fragments.len();
         if count <= options.leaf_at_most as usize {
@@ -36,7 +37,7 @@ impl Scratch {
         } else {
             self.by_bins(fragments, voxel, &sah)
         };
-        best.filter(|split| split.cost < sah.leaf(count))
+        best.filter(|split| split.cost + margin < sah.leaf(count))
     }
 
     fn by_bins(&mut self, fragments: &[Fragment], voxel: &Aabb, sah: &VoxelSah) -> Option<Split> {

@@ -17,13 +17,13 @@ use crate::geometry::Aabb;
 
 /// Bytes that a layout spends on a node and on a reference in a leaf.
 #[derive(Clone, Copy)]
-struct Bytes {
-    node: f64,
+pub(crate) struct Bytes {
+    pub(crate) node: f64,
     reference: f64,
 }
 
 impl Bytes {
-    fn of(layout: Layout) -> Self {
+    pub(crate) fn of(layout: Layout) -> Self {
         match layout {
             Layout::FourByte => Self { node: 8.0, reference: 4.0 },
             // Nearly all leaves of the scenes that fit use the 2-byte mode.
@@ -44,6 +44,15 @@ struct Prices {
 }
 
 impl Prices {
+    fn new(sah: &SahConstants, bytes: Bytes, lambda: f64) -> Self {
+        Self {
+            traversal: sah.traversal.into(),
+            intersection: sah.intersection.into(),
+            node: lambda * bytes.node,
+            reference: lambda * bytes.reference,
+        }
+    }
+
     /// An inner node by itself, with its T-references.
     fn inner(&self, area: f64, t_references: usize) -> f64 {
         let t_reference = self.intersection * area + 2.0 * self.reference;
@@ -65,7 +74,7 @@ struct Summary {
     ids: Option<Vec<u32>>,
 }
 
-/// Collapses wherever that is no dearer; `byte_weight` is ℓ.
+/// Collapses a whole tree wherever that is no dearer; `byte_weight` is ℓ.
 pub(crate) fn collapse(
     plan: Plan,
     voxel: Aabb,
@@ -73,19 +82,61 @@ pub(crate) fn collapse(
     byte_weight: f32,
     layout: Layout,
 ) -> Plan {
-    let mut work = Work::new(plan, &voxel);
-    let rays = Prices {
-        traversal: sah.traversal.into(),
-        intersection: sah.intersection.into(),
-        node: 0.0,
-        reference: 0.0,
-    };
-    let plan = &work.plan;
-    let each = Bytes::of(layout);
-    let bytes = each.node * (plan.nodes.len() + plan.hoisted.len()) as f64
-        + each.reference * plan.references.len() as f64;
-    let lambda = f64::from(byte_weight) * subtree_costs(&work, &rays)[0] / bytes;
-    let prices = Prices { node: lambda * each.node, reference: lambda * each.reference, ..rays };
+    let work = Work::new(plan, &voxel);
+    let cost_of_a_byte = work.plan.collapsed.map_or_else(
+        || {
+            let whole = Totals::of(&work, sah, layout);
+            whole.cost / whole.bytes
+        },
+        |collapsed| collapsed.cost_of_a_byte,
+    );
+    collapse_work(work, sah, layout, f64::from(byte_weight) * cost_of_a_byte)
+}
+
+/// Collapses a subtree in `voxel`, of a tree whose root's voxel has `root_area`; `lambda` is λ.
+pub(crate) fn collapse_subtree(
+    plan: Plan,
+    voxel: &Aabb,
+    root_area: f64,
+    sah: &SahConstants,
+    layout: Layout,
+    lambda: f64,
+) -> Plan {
+    collapse_work(Work::within(plan, voxel, root_area), sah, layout, lambda)
+}
+
+/// What a tree takes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Totals {
+    /// SAH cost times the voxel's area relative to the root's.
+    pub(crate) cost: f64,
+    /// As the layout spends them.
+    pub(crate) bytes: f64,
+}
+
+impl Totals {
+    fn of(work: &Work, sah: &SahConstants, layout: Layout) -> Self {
+        let (plan, each) = (&work.plan, Bytes::of(layout));
+        let bytes = each.node * (plan.nodes.len() + plan.hoisted.len()) as f64
+            + each.reference * plan.references.len() as f64;
+        Self { cost: subtree_costs(work, &Prices::new(sah, each, 0.0))[0], bytes }
+    }
+
+    /// Those of a subtree in `voxel`, of a tree whose root's voxel has `root_area`.
+    pub(crate) fn of_subtree(
+        plan: Plan,
+        voxel: &Aabb,
+        root_area: f64,
+        sah: &SahConstants,
+        layout: Layout,
+    ) -> (Self, Plan) {
+        let work = Work::within(plan, voxel, root_area);
+        (Self::of(&work, sah, layout), work.plan)
+    }
+}
+
+fn collapse_work(mut work: Work, sah: &SahConstants, layout: Layout, lambda: f64) -> Plan {
+    let prices = Prices::new(sah, Bytes::of(layout), lambda);
     let limits = distinct_limits(&work, &prices);
 
     // From the back: a node's right subtree lies on the stack below its left one.

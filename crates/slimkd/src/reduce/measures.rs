@@ -157,6 +157,7 @@ mod tests {
             references: vec![0, 7, 7],
             counts: vec![2, 2, 1],
             hoisted: Vec::new(),
+            collapsed: None,
         };
         let work = Work::new(plan, &Aabb { min: [0.0; 3], max: [1.0; 3] });
         let pick = |occupancy, frequency| {

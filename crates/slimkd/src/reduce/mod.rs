@@ -14,6 +14,7 @@ mod work;
 
 use crate::build::{BuildError, BuildOptions, Builder, Plan};
 use crate::geometry::Aabb;
+pub(crate) use collapse::{Bytes, Totals, collapse_subtree};
 pub(crate) use fit::fit;
 pub use options::{CountedLeaves, HoistAlgorithm, Hoisting, OccupancyBase, WhenLeafRemains};
 
@@ -35,9 +36,10 @@ pub(crate) fn hoist(
     Ok(plan)
 }
 
-/// Collapses where the options ask for it.
+/// Collapses where the options ask for it. What the builder collapsed at this weight stays as it is.
 pub(crate) fn prune(plan: Plan, voxel: Aabb, options: &BuildOptions) -> Plan {
-    if !options.collapse {
+    let done = plan.collapsed.is_some_and(|collapsed| collapsed.byte_weight == options.byte_weight);
+    if !options.collapse || done {
         return plan;
     }
     collapse::collapse(plan, voxel, &options.sah, options.byte_weight, options.layout)

@@ -14,6 +14,11 @@ pub(crate) struct Work {
 
 impl Work {
     pub(crate) fn new(plan: Plan, root: &Aabb) -> Self {
+        Self::within(plan, root, root.surface_area())
+    }
+
+    /// A subtree of a tree whose root's voxel has that surface area.
+    pub(crate) fn within(plan: Plan, root: &Aabb, area: f64) -> Self {
         let nodes = &plan.nodes;
         let mut ends = vec![0u32; nodes.len()];
         for at in (0..nodes.len()).rev() {
@@ -22,7 +27,6 @@ impl Work {
                 PlanNode::Leaf { .. } => at as u32 + 1,
             };
         }
-        let area = root.surface_area();
         let scale = if area > 0.0 { 1.0 / area } else { 0.0 };
         let mut areas = vec![0.0; nodes.len()];
         let mut voxels = vec![*root];
@@ -83,7 +87,7 @@ impl Work {
     pub(crate) fn into_plan(self) -> Plan {
         let Self { plan, ends, areas } = self;
         drop(areas);
-        let Plan { mut nodes, references: old, hoisted: old_hoisted, .. } = plan;
+        let Plan { mut nodes, references: old, hoisted: old_hoisted, collapsed, .. } = plan;
         let mut references = Vec::with_capacity(kept_references(&nodes, &ends));
         let mut hoisted = Vec::with_capacity(old_hoisted.len());
         let mut old_hoisted = old_hoisted.iter().peekable();
@@ -120,7 +124,7 @@ impl Work {
         }
         nodes.truncate(here);
         nodes.shrink_to_fit();
-        Plan { nodes, references, counts: Vec::new(), hoisted }
+        Plan { nodes, references, counts: Vec::new(), hoisted, collapsed }
     }
 }
 
