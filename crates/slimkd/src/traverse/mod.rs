@@ -10,7 +10,9 @@ mod packet;
 mod prepared;
 mod single;
 mod sink;
+mod stream;
 
+pub(crate) use arch::Simd;
 pub use arch::{InstructionSet, UnknownInstructionSet};
 pub use brute_force::BruteForce;
 pub use counters::Counters;
@@ -22,3 +24,4 @@ pub(crate) use packet::{AnyHits, ClosestHits, Traced};
 pub(crate) use prepared::{Planes, PreparedRay};
 pub(crate) use single::traverse;
 pub(crate) use sink::{All, Any, Closest, Sink, sort_hits};
+pub(crate) use stream::Stream;

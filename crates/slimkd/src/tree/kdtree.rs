@@ -1,15 +1,18 @@
 //! The tree that users hold.
 
 use super::statistics::TreeStatistics;
-use super::{Encoded, MemoryReport, Nodes, dense, plain, walk, with_nodes};
+use super::{Encoded, LaneNodes, MemoryReport, Nodes, dense, plain, walk, with_nodes};
 use crate::build::{BuildError, BuildOptions, Builder, Layout, Plan, Progress};
 use crate::geometry::{Aabb, Ray, TriangleMesh};
 use crate::reduce::{fit, hoist, prune};
 use crate::traverse::{
-    All, Any, AnyHits, Closest, ClosestHits, Hit, InstructionSet, PreparedRay, Sink, Traced, sort_hits,
-    traverse,
+    All, Any, AnyHits, Closest, ClosestHits, Hit, InstructionSet, PreparedRay, Sink, Stream, Traced,
+    sort_hits, traverse,
 };
 use std::sync::Arc;
+
+/// Batches below this go ray by ray: a stream is not worth setting up.
+const LEAST_STREAM: usize = 16;
 
 /// An SAH kd-tree over a mesh that it shares by [`Arc`]. Immutable, `Send + Sync`: trace from any number of threads.
 ///
@@ -144,21 +147,46 @@ impl KdTree {
         sort_hits(hits);
     }
 
-    /// Closest hits of a batch, in its order.
+    /// Closest hits of a batch, in its order, which may be any: rays are traced side by side in SIMD lanes, each on its
+    /// own way. For rays that go anywhere this is two to three times as fast as one by one; the hits are the same to the
+    /// last bit.
+    ///
+    /// Cut a large batch for several threads: pieces of 4096 rays lose little at their ends, those below 256 much.
+    ///
+    /// ```
+    /// use slimkd::{BuildOptions, KdTree, Ray, TriangleMesh};
+    /// let mesh = TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+    /// let tree = KdTree::build(mesh, &BuildOptions::default())?;
+    /// let rays: Vec<Ray> = (0..100).map(|i| Ray::new([0.01 * i as f32, 0.3, 1.0], [0.0, 0.0, -1.0])).collect();
+    /// let mut hits = vec![None; rays.len()];
+    /// tree.closest_hits(&rays, &mut hits);
+    /// assert!(rays.iter().zip(hits).all(|(ray, hit)| hit == tree.closest_hit(ray)));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Panics
     /// When the slices differ in length.
     pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         assert_eq!(rays.len(), hits.len(), "one hit slot a ray");
+        with_nodes!(self, nodes => {
+            if rays.len() >= LEAST_STREAM && nodes.fit_lanes() {
+                return self.instruction_set.run(self.stream(nodes, rays, hits));
+            }
+        });
         rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.closest_hit(ray));
     }
 
-    /// Any-hit answers of a batch, in its order.
+    /// Any-hit answers of a batch, in its order; as [`KdTree::closest_hits`].
     ///
     /// # Panics
     /// When the slices differ in length.
     pub fn any_hits(&self, rays: &[Ray], hits: &mut [bool]) {
         assert_eq!(rays.len(), hits.len(), "one answer slot a ray");
+        with_nodes!(self, nodes => {
+            if rays.len() >= LEAST_STREAM && nodes.fit_lanes() {
+                return self.instruction_set.run(self.stream(nodes, rays, hits));
+            }
+        });
         rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.any_hit(ray));
     }
 
@@ -199,6 +227,10 @@ impl KdTree {
 
     fn traced<N: Nodes>(&self, nodes: N) -> Traced<'_, N> {
         Traced { nodes, depth: self.depth, bounds: &self.bounds }
+    }
+
+    fn stream<'a, N, A>(&'a self, nodes: N, rays: &'a [Ray], answers: A) -> Stream<'a, N, A> {
+        Stream { nodes, depth: self.depth, bounds: &self.bounds, rays, answers }
     }
 
     /// What batches are traced with: [`InstructionSet::best`] unless [`KdTree::set_instruction_set`] chose another.

@@ -3,6 +3,7 @@
 mod dense;
 mod file;
 mod kdtree;
+mod lanes;
 mod memory;
 mod nodes;
 mod plain;
@@ -12,6 +13,7 @@ mod walk;
 
 pub use file::FileError;
 pub use kdtree::KdTree;
+pub(crate) use lanes::{LaneNodes, LaneStep};
 pub use memory::MemoryReport;
 pub(crate) use nodes::{Ids, Inner, Nodes, Step, View, with_nodes};
 pub use statistics::{LeafReferences, NodeCounts, TreeStatistics};

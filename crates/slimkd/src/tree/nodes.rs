@@ -5,7 +5,7 @@ use super::plain::PlainView;
 use super::statistics::LeafMode;
 use super::{Encoded, KdTree};
 use crate::geometry::TriangleMesh;
-use crate::traverse::Planes;
+use crate::traverse::{Planes, Simd};
 use std::mem::MaybeUninit;
 
 /// One node.
@@ -112,6 +112,51 @@ impl<'a> MeshView<'a> {
             self.triangles.get_unchecked(triangle as usize).map(|v| *self.vertices.get_unchecked(v as usize))
         }
     }
+
+    /// Whether lanes can address both arrays: they count in 4-byte units below 2³¹.
+    pub(super) fn fits_lanes(self) -> bool {
+        const REACH: usize = (1 << 31) / 3;
+        !self.triangles.is_empty() && self.triangles.len() < REACH && self.vertices.len() < REACH
+    }
+
+    /// x, y, z of the corners of a triangle a lane. Needs [`MeshView::fits_lanes`] and ids below the mesh's length.
+    #[inline(always)]
+    pub(super) fn lane_corners<S: Simd>(self, s: S, triangle: S::U) -> [[S::F; 3]; 3] {
+        let (triangles, vertices) =
+            (self.triangles.as_ptr().cast::<u8>(), self.vertices.as_ptr().cast::<u8>());
+        let (last_triangle, last_vertex) = (self.triangles.len() as u32 - 1, self.vertices.len() as u32 - 1);
+        // SAFETY: the ids name triangles, and the mesh's vertex indices were checked when it was made.
+        unsafe {
+            let [a, b, c] = lane_entries(s, triangles, last_triangle, triangle);
+            let a = lane_entries(s, vertices, last_vertex, a);
+            let b = lane_entries(s, vertices, last_vertex, b);
+            let c = lane_entries(s, vertices, last_vertex, c);
+            [lane_floats(s, a), lane_floats(s, b), lane_floats(s, c)]
+        }
+    }
+}
+
+/// The three u32 of 12-byte entries.
+///
+/// # Safety
+/// Indices must be at most `last`, the last entry of the array; the array must be as [`MeshView::fits_lanes`] says.
+#[inline(always)]
+unsafe fn lane_entries<S: Simd>(s: S, base: *const u8, last: u32, index: S::U) -> [S::U; 3] {
+    let at = index + (index << 1);
+    // SAFETY: 16 bytes are read where another entry follows, else 12; all offsets are below 2³¹ of 4 bytes.
+    unsafe {
+        if s.any(s.eq_u32(index, s.u32s(last))) {
+            let (x, y) = s.gather_pairs::<4>(base, at);
+            return [x, y, s.gather_u32::<4>(base, at + s.u32s(2))];
+        }
+        let [x, y, z, _] = s.gather_rows::<4>(base, at);
+        [x, y, z]
+    }
+}
+
+#[inline(always)]
+fn lane_floats<S: Simd>(s: S, [x, y, z]: [S::U; 3]) -> [S::F; 3] {
+    [s.cast_f32(x), s.cast_f32(y), s.cast_f32(z)]
 }
 
 /// A tree's view in its own layout: what every query dispatches on, once.

@@ -1,6 +1,6 @@
 //! AVX2: 8 lanes, masks as vectors of all ones or zeros.
 
-use super::{Simd, methods, operators};
+use super::{Simd, four, load_row, load_two, methods, operators};
 use std::arch::x86_64::*;
 
 const WIDTH: usize = 8;
@@ -202,17 +202,58 @@ impl Simd for Avx2 {
     unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, index: U32) -> (U32, U32) {
         // SAFETY: the token proves the instructions; the caller vouches for the addresses.
         unsafe {
-            let lower = _mm256_cvtepu32_epi64(_mm256_castsi256_si128(index.0));
-            let upper = _mm256_cvtepu32_epi64(_mm256_extracti128_si256::<1>(index.0));
-            let a = _mm256_castsi256_ps(_mm256_i64gather_epi64::<SCALE>(base.cast(), lower));
-            let b = _mm256_castsi256_ps(_mm256_i64gather_epi64::<SCALE>(base.cast(), upper));
-            // Even and odd words of both: in pairs of lanes first, then the pairs in order.
-            let even = _mm256_castps_pd(_mm256_shuffle_ps::<0b10_00_10_00>(a, b));
-            let odd = _mm256_castps_pd(_mm256_shuffle_ps::<0b11_01_11_01>(a, b));
-            let ordered = |x| U32(_mm256_castpd_si256(_mm256_permute4x64_pd::<0b11_01_10_00>(x)));
-            (ordered(even), ordered(odd))
+            let (at, to) = halves(index);
+            // Lanes 0 1 4 5 and 2 3 6 7, so that shuffling inside of halves puts them in order.
+            let a = _mm256_castsi256_ps(both(
+                load_two(base, SCALE, at[0], at[1]),
+                load_two(base, SCALE, to[0], to[1]),
+            ));
+            let b = _mm256_castsi256_ps(both(
+                load_two(base, SCALE, at[2], at[3]),
+                load_two(base, SCALE, to[2], to[3]),
+            ));
+            let even = _mm256_shuffle_ps::<0b10_00_10_00>(a, b);
+            let odd = _mm256_shuffle_ps::<0b11_01_11_01>(a, b);
+            (U32(_mm256_castps_si256(even)), U32(_mm256_castps_si256(odd)))
         }
     }
+    #[inline(always)]
+    unsafe fn gather_rows<const SCALE: i32>(self, base: *const u8, index: U32) -> [U32; 4] {
+        // SAFETY: the token proves the instructions; the caller vouches for the addresses.
+        unsafe {
+            let (a, b) = halves(index);
+            let first = both(load_row(base, SCALE, a[0]), load_row(base, SCALE, b[0]));
+            let second = both(load_row(base, SCALE, a[1]), load_row(base, SCALE, b[1]));
+            let third = both(load_row(base, SCALE, a[2]), load_row(base, SCALE, b[2]));
+            let fourth = both(load_row(base, SCALE, a[3]), load_row(base, SCALE, b[3]));
+            let (low, high) = (_mm256_unpacklo_epi32(first, second), _mm256_unpackhi_epi32(first, second));
+            let (low2, high2) = (_mm256_unpacklo_epi32(third, fourth), _mm256_unpackhi_epi32(third, fourth));
+            [
+                U32(_mm256_unpacklo_epi64(low, low2)),
+                U32(_mm256_unpackhi_epi64(low, low2)),
+                U32(_mm256_unpacklo_epi64(high, high2)),
+                U32(_mm256_unpackhi_epi64(high, high2)),
+            ]
+        }
+    }
+}
+
+/// Lanes 0 to 3 and 4 to 7.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+unsafe fn halves(x: U32) -> ([u32; 4], [u32; 4]) {
+    // SAFETY: the caller's promise.
+    unsafe { (four(_mm256_castsi256_si128(x.0)), four(_mm256_extracti128_si256::<1>(x.0))) }
+}
+
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+unsafe fn both(lower: __m128i, upper: __m128i) -> __m256i {
+    // SAFETY: the caller's promise.
+    unsafe { _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(lower), upper) }
 }
 
 /// Transposes 4 × 4 within both 128-bit halves.

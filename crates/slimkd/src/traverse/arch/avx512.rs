@@ -1,6 +1,6 @@
 //! AVX-512 (F, BW, DQ, VL): 16 lanes, masks in registers of their own.
 
-use super::{Simd, methods, operators};
+use super::{Simd, four, load_row, load_two, methods, operators};
 use std::arch::x86_64::*;
 
 const WIDTH: usize = 16;
@@ -203,13 +203,54 @@ impl Simd for Avx512 {
     unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, index: U32) -> (U32, U32) {
         // SAFETY: the token proves the instructions; the caller vouches for the addresses.
         unsafe {
-            let lower = _mm512_cvtepu32_epi64(_mm512_castsi512_si256(index.0));
-            let upper = _mm512_cvtepu32_epi64(_mm512_extracti32x8_epi32::<1>(index.0));
-            let a = _mm512_i64gather_epi64::<SCALE>(lower, base.cast());
-            let b = _mm512_i64gather_epi64::<SCALE>(upper, base.cast());
+            let (a, b) = quarters(index);
+            let (c, d) = upper_quarters(index);
+            let a = eight::<SCALE>(base, a, b);
+            let b = eight::<SCALE>(base, c, d);
             let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
             let odd = _mm512_add_epi32(even, _mm512_set1_epi32(1));
             (U32(_mm512_permutex2var_epi32(a, even, b)), U32(_mm512_permutex2var_epi32(a, odd, b)))
+        }
+    }
+    #[inline(always)]
+    unsafe fn gather_rows<const SCALE: i32>(self, base: *const u8, index: U32) -> [U32; 4] {
+        // SAFETY: the token proves the instructions; the caller vouches for the addresses.
+        unsafe {
+            let (a, b) = quarters(index);
+            let (c, d) = upper_quarters(index);
+            let first = rows::<SCALE>(base, a[0], b[0], c[0], d[0]);
+            let second = rows::<SCALE>(base, a[1], b[1], c[1], d[1]);
+            let third = rows::<SCALE>(base, a[2], b[2], c[2], d[2]);
+            let fourth = rows::<SCALE>(base, a[3], b[3], c[3], d[3]);
+            let (low, high) = (_mm512_unpacklo_epi32(first, second), _mm512_unpackhi_epi32(first, second));
+            let (low2, high2) = (_mm512_unpacklo_epi32(third, fourth), _mm512_unpackhi_epi32(third, fourth));
+            [
+                U32(_mm512_unpacklo_epi64(low, low2)),
+                U32(_mm512_unpackhi_epi64(low, low2)),
+                U32(_mm512_unpacklo_epi64(high, high2)),
+                U32(_mm512_unpackhi_epi64(high, high2)),
+            ]
+        }
+    }
+    #[inline(always)]
+    unsafe fn scatter_pairs(self, mask: Bits, base: *mut u8, index: U32, lower: U32, upper: U32) {
+        // SAFETY: the token proves the instructions; the caller vouches for the addresses.
+        unsafe {
+            let front = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+            let back = _mm512_add_epi32(front, _mm512_set1_epi32(8));
+            let a = _mm512_permutex2var_epi32(lower.0, front, upper.0);
+            let b = _mm512_permutex2var_epi32(lower.0, back, upper.0);
+            let (first, last) = (_mm512_castsi512_si256(index.0), _mm512_extracti32x8_epi32::<1>(index.0));
+            _mm512_mask_i32scatter_epi64::<8>(base.cast(), mask.0 as u8, first, a);
+            _mm512_mask_i32scatter_epi64::<8>(base.cast(), (mask.0 >> 8) as u8, last, b);
+        }
+    }
+    #[inline(always)]
+    fn pick(self, table: &[f32; 32], index: U32) -> F32 {
+        // SAFETY: the token proves the instructions; the table has 32 entries.
+        unsafe {
+            let (a, b) = (_mm512_loadu_ps(table.as_ptr()), _mm512_loadu_ps(table.as_ptr().add(16)));
+            F32(_mm512_permutex2var_ps(a, index.0, b))
         }
     }
 }
@@ -237,5 +278,62 @@ unsafe fn four_columns([a, b, c, d]: [__m512; 4]) -> [F32; 4] {
             F32(_mm512_shuffle_f32x4::<0b10_00_10_00>(ab2, cd2)),
             F32(_mm512_shuffle_f32x4::<0b11_01_11_01>(ab2, cd2)),
         ]
+    }
+}
+
+/// Lanes 0 to 3 and 4 to 7.
+///
+/// # Safety
+/// The processor must have AVX-512.
+#[inline(always)]
+unsafe fn quarters(x: U32) -> ([u32; 4], [u32; 4]) {
+    // SAFETY: the caller's promise.
+    unsafe { (four(_mm512_castsi512_si128(x.0)), four(_mm512_extracti32x4_epi32::<1>(x.0))) }
+}
+
+/// Lanes 8 to 11 and 12 to 15.
+///
+/// # Safety
+/// The processor must have AVX-512.
+#[inline(always)]
+unsafe fn upper_quarters(x: U32) -> ([u32; 4], [u32; 4]) {
+    // SAFETY: the caller's promise.
+    unsafe { (four(_mm512_extracti32x4_epi32::<2>(x.0)), four(_mm512_extracti32x4_epi32::<3>(x.0))) }
+}
+
+/// Eight times eight bytes.
+///
+/// # Safety
+/// The processor must have AVX-512, and the bytes must be readable.
+#[inline(always)]
+unsafe fn eight<const SCALE: i32>(base: *const u8, a: [u32; 4], b: [u32; 4]) -> __m512i {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let lower = _mm256_inserti128_si256::<1>(
+            _mm256_castsi128_si256(load_two(base, SCALE, a[0], a[1])),
+            load_two(base, SCALE, a[2], a[3]),
+        );
+        let upper = _mm256_inserti128_si256::<1>(
+            _mm256_castsi128_si256(load_two(base, SCALE, b[0], b[1])),
+            load_two(base, SCALE, b[2], b[3]),
+        );
+        _mm512_inserti64x4::<1>(_mm512_castsi256_si512(lower), upper)
+    }
+}
+
+/// Four times sixteen bytes.
+///
+/// # Safety
+/// The processor must have AVX-512, and the bytes must be readable.
+#[inline(always)]
+unsafe fn rows<const SCALE: i32>(base: *const u8, a: u32, b: u32, c: u32, d: u32) -> __m512i {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let lower = _mm512_inserti32x4::<1>(
+            _mm512_castsi128_si512(load_row(base, SCALE, a)),
+            load_row(base, SCALE, b),
+        );
+        let most = _mm512_inserti32x4::<2>(lower, load_row(base, SCALE, c));
+        _mm512_inserti32x4::<3>(most, load_row(base, SCALE, d))
     }
 }

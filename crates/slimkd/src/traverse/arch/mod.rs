@@ -168,6 +168,93 @@ pub(crate) trait Simd: Copy + Send + Sync + 'static {
     /// # Safety
     /// Every lane's eight bytes must be readable and initialised, masked or not. Indices may have all 32 bits.
     unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, index: Self::U) -> (Self::U, Self::U);
+
+    /// The sixteen bytes at `base + index · SCALE` as four u32, little-endian. Any alignment.
+    ///
+    /// # Safety
+    /// Every lane's sixteen bytes must be readable and initialised, masked or not. Indices may have all 32 bits.
+    #[inline(always)]
+    unsafe fn gather_rows<const SCALE: i32>(self, base: *const u8, index: Self::U) -> [Self::U; 4] {
+        // SAFETY: the caller's promise covers both halves.
+        unsafe {
+            let (a, b) = self.gather_pairs::<SCALE>(base, index);
+            let (c, d) = self.gather_pairs::<SCALE>(base.add(8), index);
+            [a, b, c, d]
+        }
+    }
+
+    /// Writes eight bytes, lower and upper u32, to `base + index · 8` where the mask says so. Lanes go in order.
+    ///
+    /// # Safety
+    /// Those bytes must be writable, and every index below 2³¹.
+    #[inline(always)]
+    unsafe fn scatter_pairs(
+        self,
+        mask: Self::M,
+        base: *mut u8,
+        index: Self::U,
+        lower: Self::U,
+        upper: Self::U,
+    ) {
+        let (mut at, mut low, mut high) = ([0; 16], [0; 16], [0; 16]);
+        self.store_u32(index, &mut at);
+        self.store_u32(lower, &mut low);
+        self.store_u32(upper, &mut high);
+        let mut bits = self.bits(mask);
+        while bits != 0 {
+            let lane = bits.trailing_zeros() as usize & 15;
+            bits &= bits - 1;
+            let word = u64::from(low[lane]) | u64::from(high[lane]) << 32;
+            // SAFETY: the caller's promise.
+            unsafe { base.add(8 * at[lane] as usize).cast::<u64>().write_unaligned(word.to_le()) };
+        }
+    }
+
+    /// Lane `i` of the result is `table[index[i] % 32]`.
+    #[inline(always)]
+    fn pick(self, table: &[f32; 32], index: Self::U) -> Self::F {
+        // SAFETY: five bits stay inside the table.
+        unsafe { self.gather::<4>(table.as_ptr().cast(), index & self.u32s(31)) }
+    }
+}
+
+/// The 8 bytes at `base + a · scale`, then those at `base + b · scale`.
+///
+/// Plain loads, though there are gather instructions: with the usual microcode against data sampling one of those takes
+/// 24 cycles whatever its width (Ice Lake), and without it about as long as the loads it stands for.
+///
+/// # Safety
+/// They must be readable.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+unsafe fn load_two(base: *const u8, scale: i32, a: u32, b: u32) -> std::arch::x86_64::__m128i {
+    use std::arch::x86_64::*;
+    // SAFETY: the caller's promise; SSE2 is part of x86-64.
+    unsafe {
+        let (a, b) = (base.add(a as usize * scale as usize), base.add(b as usize * scale as usize));
+        _mm_castpd_si128(_mm_loadh_pd(_mm_castsi128_pd(_mm_loadl_epi64(a.cast())), b.cast()))
+    }
+}
+
+/// The 16 bytes at `base + at · scale`.
+///
+/// # Safety
+/// They must be readable.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+unsafe fn load_row(base: *const u8, scale: i32, at: u32) -> std::arch::x86_64::__m128i {
+    // SAFETY: the caller's promise; SSE2 is part of x86-64.
+    unsafe { std::arch::x86_64::_mm_loadu_si128(base.add(at as usize * scale as usize).cast()) }
+}
+
+/// The four u32 of a vector of 128 bits.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn four(x: std::arch::x86_64::__m128i) -> [u32; 4] {
+    use std::arch::x86_64::*;
+    // SAFETY: SSE2 is part of x86-64.
+    let (low, high) = unsafe { (_mm_cvtsi128_si64(x), _mm_cvtsi128_si64(_mm_unpackhi_epi64(x, x))) };
+    [low as u32, (low as u64 >> 32) as u32, high as u32, (high as u64 >> 32) as u32]
 }
 
 /// Operators of vectors that are one expression of intrinsics.

@@ -187,4 +187,12 @@ impl<S: Simd> Simd for Twice<S> {
         };
         (Pair(a.0, b.0), Pair(a.1, b.1))
     }
+    #[inline(always)]
+    unsafe fn gather_rows<const SCALE: i32>(self, base: *const u8, index: Self::U) -> [Self::U; 4] {
+        // SAFETY: the caller's promise covers both halves.
+        let ([a, b, c, d], [e, f, g, h]) = unsafe {
+            (self.0.gather_rows::<SCALE>(base, index.0), self.0.gather_rows::<SCALE>(base, index.1))
+        };
+        [Pair(a, e), Pair(b, f), Pair(c, g), Pair(d, h)]
+    }
 }

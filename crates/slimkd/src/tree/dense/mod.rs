@@ -20,6 +20,7 @@
 //! to the last bit, and a ray descends into one child too many only when it crosses within a cell of the plane.
 
 mod encode;
+mod lanes;
 mod leaf;
 mod validate;
 mod view;

@@ -11,10 +11,10 @@ const _: () = assert!(LONGEST_RUN <= SPILL, "a run may begin at the last id of a
 /// A proven tree's bytes and its mesh.
 #[derive(Clone, Copy)]
 pub(crate) struct DenseView<'a> {
-    bytes: &'a [u8],
-    code: LeafCode,
+    pub(super) bytes: &'a [u8],
+    pub(super) code: LeafCode,
     planes: &'a Planes,
-    mesh: MeshView<'a>,
+    pub(super) mesh: MeshView<'a>,
 }
 
 impl<'a> DenseView<'a> {

@@ -1,7 +1,7 @@
 //! The inner node's 32 bits, and the grid that its plane counts in.
 
 use crate::geometry::Aabb;
-use crate::traverse::Planes;
+use crate::traverse::{Planes, Simd};
 
 /// Bits of a plane's position.
 pub(super) const PLANE_BITS: u32 = 21;
@@ -24,6 +24,18 @@ pub(super) fn split(word: u32) -> f32 {
 #[inline(always)]
 pub(super) fn distance(word: u32) -> u32 {
     word >> 2 & ((1 << DISTANCE_BITS) - 1)
+}
+
+/// As [`split`], by lanes.
+#[inline(always)]
+pub(super) fn lanes_split<S: Simd>(s: S, word: S::U) -> S::F {
+    s.cast_f32((word >> PLANE_TO_FLOAT) | s.u32s(ONE))
+}
+
+/// As [`distance`], by lanes.
+#[inline(always)]
+pub(super) fn lanes_distance<S: Simd>(s: S, word: S::U) -> S::U {
+    (word >> 2) & s.u32s((1 << DISTANCE_BITS) - 1)
 }
 
 /// An inner node whose right child stands `distance` bytes on, or elsewhere where that does not fit.

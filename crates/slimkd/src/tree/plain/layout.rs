@@ -18,6 +18,7 @@
 //!
 //! Deviation: the slides show the field widths of the 2-byte leaf only; the rest of the order is ours.
 
+use crate::traverse::Simd;
 use crate::tree::FileError;
 
 /// Entries that the 29-bit pointers can address: nodes, 4-byte indices, 2-byte indices.
@@ -102,6 +103,27 @@ impl Packed {
     #[inline(always)]
     pub(crate) fn triangle(self) -> u32 {
         self.0 as u32
+    }
+
+    /// As [`Packed::is_leaf`], of lower halves.
+    #[inline(always)]
+    pub(super) fn lanes_leaf<S: Simd>(s: S, lower: S::U) -> S::M {
+        s.eq_u32(lower & s.u32s(0b11), s.u32s(KIND_LEAF as u32))
+    }
+
+    /// As [`Packed::has_t_reference`], of lower halves.
+    #[inline(always)]
+    pub(super) fn lanes_t_reference<S: Simd>(s: S, lower: S::U) -> S::M {
+        s.eq_u32(lower & s.u32s(KIND_TYPE_II as u32), s.u32s(KIND_TYPE_II as u32))
+    }
+
+    /// As [`Packed::is_2byte`], the counts and [`Packed::upper`], of leaves' upper halves.
+    #[inline(always)]
+    pub(super) fn lanes_mode<S: Simd>(s: S, upper: S::U) -> (S::M, S::U, S::U) {
+        let is_2byte = s.eq_u32(upper >> 30, s.u32s(MODE_2BYTE as u32));
+        // The mode's bits stand above a 2-byte leaf's 14 bits of count; in a 4-byte leaf they are clear.
+        let count = s.select_u32(is_2byte, (upper >> 16) & s.u32s(COUNT_LIMIT_2BYTE as u32), upper);
+        (is_2byte, count, upper << 16)
     }
 
     pub(crate) fn t_reference(triangle: u32) -> Self {

@@ -1,6 +1,7 @@
 //! The plain layout: the paper's 8-byte nodes and its two leaf modes.
 
 mod encode;
+mod lanes;
 mod layout;
 mod validate;
 mod view;

@@ -8,10 +8,10 @@ use crate::tree::statistics::LeafMode;
 /// A proven tree and its mesh as plain slices.
 #[derive(Clone, Copy)]
 pub(crate) struct PlainView<'a> {
-    nodes: &'a [Packed],
-    indices_4byte: &'a [u32],
-    indices_2byte: &'a [u16],
-    mesh: MeshView<'a>,
+    pub(super) nodes: &'a [Packed],
+    pub(super) indices_4byte: &'a [u32],
+    pub(super) indices_2byte: &'a [u16],
+    pub(super) mesh: MeshView<'a>,
 }
 
 impl<'a> PlainView<'a> {
