@@ -9,6 +9,7 @@ mod cameras;
 mod commands;
 mod failure;
 mod interrupt;
+mod kernel;
 mod measure;
 mod output;
 mod ply;

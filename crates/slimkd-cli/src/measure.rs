@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::kernel::Kernel;
 use crate::workloads::Workload;
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -14,11 +15,17 @@ const CHUNK: usize = 1024;
 /// Room for the answers to a workload, so that no run allocates.
 #[derive(Default)]
 pub(crate) struct Answers {
+    kernel: Kernel,
     closest: Vec<Option<Hit>>,
     any: Vec<bool>,
 }
 
 impl Answers {
+    /// To be traced by `kernel`; the default is ray by ray.
+    pub(crate) fn with(kernel: Kernel) -> Self {
+        Self { kernel, ..Self::default() }
+    }
+
     /// Traces `rays`, in the pool's threads; the seconds that it took. Fails on Ctrl-C only.
     pub(crate) fn trace(
         &mut self,
@@ -27,12 +34,13 @@ impl Answers {
         rays: &[Ray],
         any: bool,
     ) -> Result<f64, Failure> {
+        let kernel = self.kernel;
         if any {
             self.any.resize(rays.len(), false);
-            time(pool, rays, &mut self.any, |rays, hits| tree.any_hits(rays, hits))
+            time(pool, rays, &mut self.any, |rays, hits| kernel.any(tree, rays, hits))
         } else {
             self.closest.resize(rays.len(), None);
-            time(pool, rays, &mut self.closest, |rays, hits| tree.closest_hits(rays, hits))
+            time(pool, rays, &mut self.closest, |rays, hits| kernel.closest(tree, rays, hits))
         }
     }
 
@@ -90,13 +98,19 @@ fn time<T: Send>(
 /// A tree under its preset's name.
 pub(crate) type Named<'a> = (&'static str, &'a KdTree);
 
-/// Compares the answers of all trees to a workload; how many rays hit.
-pub(crate) fn agree(pool: &ThreadPool, trees: &[Named<'_>], workload: &Workload) -> Result<usize, Failure> {
-    let (mut first, mut other) = (Answers::default(), Answers::default());
+/// Compares the answers of all trees, traced by `kernel`, to a workload with those of the first one ray by ray; how many
+/// rays hit.
+pub(crate) fn agree(
+    pool: &ThreadPool,
+    trees: &[Named<'_>],
+    kernel: Kernel,
+    workload: &Workload,
+) -> Result<usize, Failure> {
+    let (mut first, mut other) = (Answers::default(), Answers::with(kernel));
     let Workload { name, any, rays } = workload;
+    first.trace(pool, trees[0].1, rays, *any)?;
     for (index, (preset, tree)) in trees.iter().enumerate() {
-        if index == 0 {
-            first.trace(pool, tree, rays, *any)?;
+        if index == 0 && kernel == Kernel::Single {
             continue;
         }
         other.trace(pool, tree, rays, *any)?;
@@ -144,15 +158,16 @@ mod tests {
     fn trees_that_differ_are_found_out() {
         let (a, b, c) = (tree(0.0), tree(0.0), tree(1.0));
         let pool = crate::trees::pool(2).unwrap();
-        for any in [false, true] {
-            let hits = agree(&pool, &[("a", &a), ("b", &b)], &workload(any)).unwrap();
+        for (any, kernel) in [(false, Kernel::Single), (true, Kernel::Packet), (false, Kernel::Packet)] {
+            let hits = agree(&pool, &[("a", &a), ("b", &b)], kernel, &workload(any)).unwrap();
             assert!((79..=82).contains(&hits), "{hits}");
         }
-        let failure = agree(&pool, &[("a", &a), ("b", &b), ("c", &c)], &workload(false)).unwrap_err();
+        let failure =
+            agree(&pool, &[("a", &a), ("b", &b), ("c", &c)], Kernel::Single, &workload(false)).unwrap_err();
         assert_eq!(failure.status(), 1);
         assert!(failure.to_string().starts_with("c and a answer test ray 0 differently"), "{failure}");
         // Whether there is a hit is the same in both.
-        assert!(agree(&pool, &[("a", &a), ("c", &c)], &workload(true)).is_ok());
+        assert!(agree(&pool, &[("a", &a), ("c", &c)], Kernel::Packet, &workload(true)).is_ok());
     }
 
     #[test]

@@ -3,11 +3,12 @@
 use crate::args::{Kind, SceneArgs, TreeArgs};
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::kernel::Kernel;
 use crate::output::{Output, unwritable};
 use crate::rays::{BATCH, RayFile, encode_any, encode_closest};
 use crate::ui::{Ui, Watched, grouped};
 use crate::{scenes, trees};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use rayon::prelude::*;
 use slimkd::{KdTree, Ray};
 use std::io::Write;
@@ -49,18 +50,6 @@ pub(crate) struct TraceArgs {
     tree: TreeArgs,
 }
 
-/// A traversal kernel. All give the same hits, so a choice that has no kernel of its own in this version traces ray
-/// by ray, and a note says so.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Kernel {
-    /// Ray by ray
-    Single,
-    /// Packets of neighbouring rays
-    Packet,
-    /// Large batches, sorted
-    Stream,
-}
-
 /// Traces the file.
 pub(crate) fn run(args: &TraceArgs, ui: Ui) -> Result<(), Failure> {
     let output = Output::prepare(&args.out)?;
@@ -69,9 +58,6 @@ pub(crate) fn run(args: &TraceArgs, ui: Ui) -> Result<(), Failure> {
     let tree = trees::take_or_build(&mut loaded, &args.tree, ui)?;
     trees::warn_of_degenerate(&tree.statistics, ui);
     drop(loaded);
-    if args.kernel != Kernel::Single {
-        ui.note("this version traces ray by ray whatever --kernel says; the hits are the same");
-    }
     let pool = trees::pool(trees::thread_count(args.tree.threads))?;
     let progress = Progress { total: input.count().unwrap_or(0), ..Progress::default() };
     let started = Instant::now();
@@ -84,7 +70,7 @@ pub(crate) fn run(args: &TraceArgs, ui: Ui) -> Result<(), Failure> {
             if buffers.rays.is_empty() {
                 return draft.commit();
             }
-            let hits = pool.install(|| buffers.trace(&tree.tree, args.kind));
+            let hits = pool.install(|| buffers.trace(&tree.tree, args.kernel, args.kind));
             let bytes = buffers.records.as_flattened();
             draft.write_all(bytes).map_err(|error| unwritable(output.path(), &error))?;
             progress.rays.fetch_add(buffers.rays.len() as u64, Relaxed);
@@ -112,20 +98,20 @@ struct Buffers {
 
 impl Buffers {
     /// Fills the records of the batch's rays; returns how many hit.
-    fn trace(&mut self, tree: &KdTree, kind: Kind) -> u64 {
+    fn trace(&mut self, tree: &KdTree, kernel: Kernel, kind: Kind) -> u64 {
         debug_assert!(self.rays.len() <= BATCH);
         self.records.resize(self.rays.len(), [0; 16]);
         let chunks = self.rays.par_chunks(CHUNK).zip(self.records.par_chunks_mut(CHUNK));
-        chunks.map(|(rays, records)| trace_chunk(tree, kind, rays, records)).sum()
+        chunks.map(|(rays, records)| trace_chunk(tree, kernel, kind, rays, records)).sum()
     }
 }
 
-fn trace_chunk(tree: &KdTree, kind: Kind, rays: &[Ray], records: &mut [[u8; 16]]) -> u64 {
+fn trace_chunk(tree: &KdTree, kernel: Kernel, kind: Kind, rays: &[Ray], records: &mut [[u8; 16]]) -> u64 {
     let mut found = 0;
     match kind {
         Kind::Closest => {
             let mut hits = [None; CHUNK];
-            tree.closest_hits(rays, &mut hits[..rays.len()]);
+            kernel.closest(tree, rays, &mut hits[..rays.len()]);
             for (record, hit) in records.iter_mut().zip(hits) {
                 found += u64::from(hit.is_some());
                 *record = encode_closest(hit);
@@ -133,7 +119,7 @@ fn trace_chunk(tree: &KdTree, kind: Kind, rays: &[Ray], records: &mut [[u8; 16]]
         }
         Kind::Any => {
             let mut hits = [false; CHUNK];
-            tree.any_hits(rays, &mut hits[..rays.len()]);
+            kernel.any(tree, rays, &mut hits[..rays.len()]);
             for (record, hit) in records.iter_mut().zip(hits) {
                 found += u64::from(hit);
                 *record = encode_any(hit);

@@ -5,6 +5,7 @@ mod runner;
 
 use crate::args::{CameraArgs, SceneArgs, TuningArgs, preset, threads};
 use crate::failure::Failure;
+use crate::kernel::Kernel;
 use crate::trees::Tree;
 use crate::ui::Ui;
 use crate::{cameras, scenes, trees, ui};
@@ -40,6 +41,9 @@ pub(crate) struct BenchArgs {
     /// Threads to trace with
     #[arg(long, value_name = "N", default_value = "1", value_parser = threads)]
     threads: NonZeroUsize,
+    /// How rays are traced; the hits are the same with all
+    #[arg(long, value_enum, default_value_t = Kernel::Single)]
+    kernel: Kernel,
     /// Rounds to take the median of
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(5..=1000))]
     rounds: u32,
@@ -70,6 +74,7 @@ pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
         trees: built.iter().map(|(preset, tree)| (preset.name(), &tree.tree)).collect(),
         views: cameras::choose(&args.camera, scene, &built[0].1.tree, cameras::VIEWS)?,
         pool: trees::pool(args.threads.get())?,
+        kernel: args.kernel,
         rounds: args.rounds as usize,
         rays: args.rays.map(|rays| rays as usize),
     };

@@ -3,6 +3,7 @@
 use super::report::{FrameRate, Rate};
 use crate::cameras::View;
 use crate::failure::Failure;
+use crate::kernel::Kernel;
 use crate::measure::{Answers, Named, agree, median};
 use crate::ui::{Ui, Watched, grouped};
 use crate::workloads::{self, Workload};
@@ -23,9 +24,8 @@ const LEAST_RAYS: usize = 1 << 14;
 pub(super) const MOST_RAYS: usize = 1 << 20;
 /// Number of workloads.
 const WORKLOADS: usize = 4;
-/// Where rays are traced, and how.
+/// Where rays are traced.
 const DEVICE: &str = "cpu";
-const KERNEL: &str = "single";
 /// Edge of the pictures of `--frames`, pixels.
 const FRAME: u32 = 1024;
 
@@ -35,6 +35,7 @@ pub(super) struct Bench<'a> {
     pub(super) trees: Vec<Named<'a>>,
     pub(super) views: Vec<View>,
     pub(super) pool: ThreadPool,
+    pub(super) kernel: Kernel,
     pub(super) rounds: usize,
     pub(super) rays: Option<usize>,
 }
@@ -46,7 +47,7 @@ impl Bench<'_> {
         steps.expect(workloads.len() * (1 + self.rounds) * self.trees.len());
         let mut hits = Vec::new();
         for workload in &workloads {
-            let count = agree(&self.pool, &self.trees, workload)?;
+            let count = agree(&self.pool, &self.trees, self.kernel, workload)?;
             steps.done(self.trees.len());
             let share = 100.0 * count as f64 / workload.rays.len().max(1) as f64;
             let rays = grouped(workload.rays.len() as u64);
@@ -56,7 +57,7 @@ impl Bench<'_> {
             ));
             hits.push(count);
         }
-        let mut answers = Answers::default();
+        let mut answers = Answers::with(self.kernel);
         let mut rates = vec![vec![Vec::new(); self.trees.len()]; workloads.len()];
         for round in 0..self.rounds {
             for (workload, rates) in workloads.iter().zip(&mut rates) {
@@ -75,7 +76,7 @@ impl Bench<'_> {
             for ((preset, _), rates) in self.trees.iter().zip(&mut rates) {
                 results.push(Rate {
                     preset,
-                    kernel: KERNEL,
+                    kernel: self.kernel.name(),
                     device: DEVICE,
                     threads: self.pool.current_num_threads(),
                     workload: workload.name,
@@ -91,7 +92,7 @@ impl Bench<'_> {
     /// The rays, as many as the time allows.
     fn workloads(&self) -> Result<Vec<Workload>, Failure> {
         let tree = self.trees[0].1;
-        let mut answers = Answers::default();
+        let mut answers = Answers::with(self.kernel);
         let most = self.rays.unwrap_or(MOST_RAYS);
         let mut primary = workloads::primary(&self.views, most)
             .map_err(|error| Failure::work(format_args!("{}: {error} (--camera, --up)", self.scene.name)))?;
@@ -116,7 +117,7 @@ impl Bench<'_> {
         let runs = self.trees.len() * (self.rounds + 1) * WORKLOADS;
         let seconds = (TIME / runs as f64).min(LONGEST_RUN);
         let sample = &rays[..rays.len().min(LEAST_RAYS)];
-        let mut answers = Answers::default();
+        let mut answers = Answers::with(self.kernel);
         // The first run warms the caches.
         answers.trace(&self.pool, self.trees[0].1, &sample[..sample.len() / 2], any)?;
         let took = answers.trace(&self.pool, self.trees[0].1, sample, any)?;
