@@ -22,11 +22,13 @@ impl Found {
     }
 }
 
-/// How rays are handed over. Packets and streams get their variants when they are measured.
+/// How rays are handed over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Interface {
     /// One call a ray.
     Single,
+    /// Batches of rays in any order.
+    Stream,
 }
 
 impl Interface {
@@ -34,6 +36,7 @@ impl Interface {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Single => "single",
+            Self::Stream => "stream",
         }
     }
 }
@@ -93,6 +96,21 @@ pub trait Traced: Send + Sync {
 
     /// Whether anything is hit.
     fn any(&self, rays: &[Ray], blocked: &mut [bool]);
+
+    /// The interfaces that it has; the first is [`Interface::Single`], which the two calls above are.
+    fn interfaces(&self) -> &'static [Interface] {
+        &[Interface::Single]
+    }
+
+    /// Closest hits through one of its interfaces.
+    fn closest_through(&self, _interface: Interface, rays: &[Ray], found: &mut [Found]) {
+        self.closest(rays, found);
+    }
+
+    /// Whether anything is hit, through one of its interfaces.
+    fn any_through(&self, _interface: Interface, rays: &[Ray], blocked: &mut [bool]) {
+        self.any(rays, blocked);
+    }
 
     /// Its size; `counted` is what the build left allocated.
     fn bytes(&self, counted: u64) -> Bytes;

@@ -23,37 +23,43 @@ impl Buffers {
     }
 
     /// Traces all rays once; returns the closest hits, or for an any-hit workload nothing.
-    pub fn closest(&mut self, traced: &dyn Traced, rays: &[Ray]) -> &[Found] {
+    pub fn closest(&mut self, traced: &dyn Traced, interface: Interface, rays: &[Ray]) -> &[Found] {
         let found = &mut self.found[..rays.len()];
         found.fill(Found::MISS);
-        traced.closest(rays, found);
+        traced.closest_through(interface, rays, found);
         found
     }
 
     /// Traces all rays once; returns whether each is blocked.
-    pub fn any(&mut self, traced: &dyn Traced, rays: &[Ray]) -> &[bool] {
+    pub fn any(&mut self, traced: &dyn Traced, interface: Interface, rays: &[Ray]) -> &[bool] {
         let blocked = &mut self.blocked[..rays.len()];
         blocked.fill(false);
-        traced.any(rays, blocked);
+        traced.any_through(interface, rays, blocked);
         blocked
     }
 
     /// Seconds for all rays of a workload; on the calling thread alone without a pool.
-    fn time(&mut self, traced: &dyn Traced, workload: &Workload, pool: Option<&rayon::ThreadPool>) -> f64 {
+    fn time(
+        &mut self,
+        traced: &dyn Traced,
+        interface: Interface,
+        workload: &Workload,
+        pool: Option<&rayon::ThreadPool>,
+    ) -> f64 {
         let rays = &workload.rays[..];
         let found = &mut self.found[..rays.len()];
         let blocked = &mut self.blocked[..rays.len()];
         let start = Instant::now();
         match (pool, workload.kind.is_any()) {
-            (None, false) => traced.closest(rays, found),
-            (None, true) => traced.any(rays, blocked),
+            (None, false) => traced.closest_through(interface, rays, found),
+            (None, true) => traced.any_through(interface, rays, blocked),
             (Some(pool), false) => pool.install(|| {
                 let batches = rays.par_chunks(CHUNK).zip(found.par_chunks_mut(CHUNK));
-                batches.for_each(|(rays, found)| traced.closest(rays, found));
+                batches.for_each(|(rays, found)| traced.closest_through(interface, rays, found));
             }),
             (Some(pool), true) => pool.install(|| {
                 let batches = rays.par_chunks(CHUNK).zip(blocked.par_chunks_mut(CHUNK));
-                batches.for_each(|(rays, blocked)| traced.any(rays, blocked));
+                batches.for_each(|(rays, blocked)| traced.any_through(interface, rays, blocked));
             }),
         }
         std::hint::black_box((&self.found, &self.blocked));
@@ -96,23 +102,25 @@ pub fn measure(
         .map(|&n| (n > 1).then(|| rayon::ThreadPoolBuilder::new().num_threads(n).build()).transpose())
         .collect::<Result<_, _>>()?;
     let mut buffers = Buffers::new(workloads.iter().map(|w| w.rays.len()).max().unwrap_or(0));
+    let entries: Vec<(usize, Interface)> = (0..contenders.len())
+        .flat_map(|contender| contenders[contender].interfaces().iter().map(move |&i| (contender, i)))
+        .collect();
     let mut series = Vec::new();
     for (workload, _) in workloads.iter().enumerate().filter(|(_, w)| !w.rays.is_empty()) {
         for &threads in threads {
-            for contender in 0..contenders.len() {
-                let interface = Interface::Single;
+            for &(contender, interface) in &entries {
                 series.push(Series { contender, interface, workload, threads, seconds: Vec::new() });
             }
         }
     }
     for round in 0..rounds {
         progress(round);
-        for block in series.chunks_mut(contenders.len().max(1)) {
-            for place in order(contenders.len(), round) {
+        for block in series.chunks_mut(entries.len().max(1)) {
+            for place in order(entries.len(), round) {
                 let entry = &mut block[place];
                 let pool = threads.iter().position(|&n| n == entry.threads).and_then(|k| pools[k].as_ref());
                 let traced = contenders[entry.contender];
-                entry.seconds.push(buffers.time(traced, &workloads[entry.workload], pool));
+                entry.seconds.push(buffers.time(traced, entry.interface, &workloads[entry.workload], pool));
             }
         }
     }
@@ -176,8 +184,13 @@ mod tests {
         let rays = vec![Ray::new([0.0; 3], [1.0, 0.0, 0.0]); 2 * CHUNK + 5];
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
         let mut buffers = Buffers::new(rays.len());
-        buffers.time(&Ones, &Workload { kind: Kind::Random, rays: rays.clone() }, Some(&pool));
-        buffers.time(&Ones, &Workload { kind: Kind::Shadow, rays }, Some(&pool));
+        buffers.time(
+            &Ones,
+            Interface::Single,
+            &Workload { kind: Kind::Random, rays: rays.clone() },
+            Some(&pool),
+        );
+        buffers.time(&Ones, Interface::Single, &Workload { kind: Kind::Shadow, rays }, Some(&pool));
         assert!(buffers.found.iter().all(Found::is_hit));
         assert!(buffers.blocked.iter().all(|&b| b));
     }

@@ -3,7 +3,7 @@
 use crate::agree::{DISTANCE, GRAZING, Judge, MARKED_SHARE, T_RELATIVE};
 use crate::alloc::{Counted, count};
 use crate::args::Args;
-use crate::built::{Contender, Found, Info, Traced};
+use crate::built::{Contender, Found, Info, Interface, Traced};
 use crate::machine::Machine;
 use crate::measure::{Buffers, measure};
 use crate::peers::{self, STANDARD};
@@ -170,16 +170,16 @@ struct Expected(Vec<(Vec<Found>, Vec<bool>)>);
 
 impl Expected {
     fn new(reference: &dyn Traced, workloads: &[Workload]) -> Self {
-        Self(workloads.iter().map(|workload| answers(reference, workload)).collect())
+        Self(workloads.iter().map(|workload| answers(reference, Interface::Single, workload)).collect())
     }
 }
 
-fn answers(traced: &dyn Traced, workload: &Workload) -> (Vec<Found>, Vec<bool>) {
+fn answers(traced: &dyn Traced, interface: Interface, workload: &Workload) -> (Vec<Found>, Vec<bool>) {
     let mut buffers = Buffers::new(workload.rays.len());
     if workload.kind.is_any() {
-        (Vec::new(), buffers.any(traced, &workload.rays).to_vec())
+        (Vec::new(), buffers.any(traced, interface, &workload.rays).to_vec())
     } else {
-        (buffers.closest(traced, &workload.rays).to_vec(), Vec::new())
+        (buffers.closest(traced, interface, &workload.rays).to_vec(), Vec::new())
     }
 }
 
@@ -194,8 +194,11 @@ fn check(
     let mut identical = true;
     let mut agreement = Vec::new();
     for (workload, (closest, any)) in rays.workloads.iter().zip(&expected.0) {
-        let (found, blocked) = answers(traced, workload);
+        let (found, blocked) = answers(traced, Interface::Single, workload);
         identical &= found == *closest && blocked == *any;
+        for &interface in traced.interfaces().iter().filter(|&&i| i != Interface::Single) {
+            identical &= answers(traced, interface, workload) == (found.clone(), blocked.clone());
+        }
         let counts = if workload.kind.is_any() {
             judge.any(&workload.rays, (reference, traced), any, &blocked)
         } else {

@@ -1,11 +1,14 @@
 //! slimkd itself, one contender a tree.
 
 use super::locked_version;
-use crate::built::{Bytes, Contender, Found, Info, SizeSource, Traced};
+use crate::built::{Bytes, Contender, Found, Info, Interface, SizeSource, Traced};
 use crate::variant::Variant;
 use slimkd::{BuildOptions, KdTree, Layout, Ray, TriangleMesh};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
+
+/// Rays of a stream's call: its hits still lie in the cache when they are copied.
+const PIECE: usize = 4096;
 
 pub(super) struct Own {
     name: String,
@@ -75,6 +78,31 @@ impl Traced for KdTree {
         for (ray, slot) in rays.iter().zip(blocked) {
             *slot = self.any_hit(ray);
         }
+    }
+
+    fn interfaces(&self) -> &'static [Interface] {
+        &[Interface::Single, Interface::Stream]
+    }
+
+    fn closest_through(&self, interface: Interface, rays: &[Ray], found: &mut [Found]) {
+        if interface == Interface::Single {
+            return self.closest(rays, found);
+        }
+        let mut hits = [None; PIECE];
+        for (rays, found) in rays.chunks(PIECE).zip(found.chunks_mut(PIECE)) {
+            let hits = &mut hits[..rays.len()];
+            self.closest_hits(rays, hits);
+            for (slot, hit) in found.iter_mut().zip(hits) {
+                *slot = hit.map_or(Found::MISS, |hit| Found { t: hit.t, triangle: hit.triangle });
+            }
+        }
+    }
+
+    fn any_through(&self, interface: Interface, rays: &[Ray], blocked: &mut [bool]) {
+        if interface == Interface::Single {
+            return self.any(rays, blocked);
+        }
+        self.any_hits(rays, blocked);
     }
 
     fn bytes(&self, _counted: u64) -> Bytes {

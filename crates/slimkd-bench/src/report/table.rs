@@ -2,6 +2,7 @@
 
 use super::{ContenderReport, Measurement, Report};
 use crate::agree::MARKED_SHARE;
+use crate::built::Interface;
 use crate::median::median;
 use crate::peers::{EMBREE, STANDARD};
 use std::fmt::Write as _;
@@ -177,11 +178,23 @@ fn rates(report: &Report, threads: usize, out: &mut String) {
         }
     }
     let mut grid = Grid::new(&titles.iter().map(String::as_str).collect::<Vec<_>>());
+    let mut rows: Vec<(&ContenderReport, &str)> = Vec::new();
     for contender in &report.contenders {
-        let mut row = vec![mark(contender)];
+        for m in report.measurements.iter().filter(|m| m.contender == contender.name) {
+            if !rows.iter().any(|row| row.0.name == contender.name && row.1 == m.interface) {
+                rows.push((contender, &m.interface));
+            }
+        }
+    }
+    for (contender, interface) in rows {
+        let single = interface == Interface::Single.name();
+        let name = mark(contender);
+        let mut row = vec![if single { name } else { format!("{name} {interface}") }];
         for workload in &report.workloads {
             let found = report.measurements.iter().find(|m: &&Measurement| {
-                m.contender == contender.name && m.workload == workload.name && m.threads == threads
+                (&m.contender, &m.workload) == (&contender.name, &workload.name)
+                    && m.interface == interface
+                    && m.threads == threads
             });
             row.push(figure(found.map(|m| m.mrays_per_s)));
             row.push(figure(found.and_then(|m| m.ratio_to_standard)));
