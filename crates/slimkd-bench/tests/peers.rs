@@ -139,13 +139,15 @@ fn a_run_without_embree_names_it_and_goes_on() {
     assert!(report.contenders.iter().all(|contender| !contender.marked));
     assert_eq!(report.contenders[0].identical, Some(true));
 
-    // Everybody at every workload and thread count, each round kept.
-    assert_eq!(report.measurements.len(), report.contenders.len() * Kind::ALL.len() * 2);
+    // Everybody through every interface that it has (slimkd has streams too), at every workload and thread count, each
+    // round kept.
+    let interfaces = report.contenders.len() + 1;
+    assert_eq!(report.measurements.len(), interfaces * Kind::ALL.len() * 2);
     for m in &report.measurements {
         assert_eq!(m.seconds.len(), 2);
         assert!(m.mrays_per_s > 0.0 && m.ratio_to_standard.is_some() && m.ratio_to_embree.is_none());
     }
-    assert_eq!(report.points.len(), report.contenders.len() * 2);
+    assert_eq!(report.points.len(), interfaces * 2);
     assert!(report.points.iter().all(|point| point.mrays.len() == 4 && point.bytes_tree > 0));
     for contender in report.contenders.iter().filter(|c| c.name != "kdtree-ray" && c.library != "tinybvh-rs")
     {
