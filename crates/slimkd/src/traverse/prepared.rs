@@ -111,7 +111,11 @@ impl PreparedRay {
         }
         (enter <= exit).then(|| Self {
             shear,
-            origin: std::array::from_fn(|k| (ray.origin[k] - planes.low[k]) * planes.scale[k] + planes.shift),
+            origin: std::array::from_fn(|k| {
+                let start = (ray.origin[k] - planes.low[k]) * planes.scale[k] + planes.shift;
+                // Beyond f32 it must become NaN, which visits both children; infinity would leave one out.
+                start + 0.0 * start
+            }),
             inverse: std::array::from_fn(|k| inverse[k] * planes.unscale[k]),
             slack: widths,
             near,

@@ -199,6 +199,8 @@ impl<S: Simd, const G: usize> Group<S, G> {
             exit = s.smaller(last + width, exit);
             classes.negative[k] |= u64::from(s.bits(negative)) << at;
             let start = (origin[k] - s.f32s(planes.low[k])) * s.f32s(planes.scale[k]) + s.f32s(planes.shift);
+            // Infinity becomes NaN, see `prepared.rs`.
+            let start = start + s.f32s(0.0) * start;
             self.origin[k][g] = origin[k];
             self.start[k][g] = start;
             self.inverse[k][g] = inverse * s.f32s(reciprocal(planes.scale[k]));

@@ -40,7 +40,9 @@ impl Eye {
     pub(super) fn new(at: [f32; 3], planes: &Planes) -> Self {
         let mut start = at;
         for k in 0..3 {
-            start[k] = (at[k] - planes.low[k]) * planes.scale[k] + planes.shift;
+            let place = (at[k] - planes.low[k]) * planes.scale[k] + planes.shift;
+            // Infinity becomes NaN, see `prepared.rs`.
+            start[k] = place + 0.0 * place;
         }
         Self { at, start }
     }

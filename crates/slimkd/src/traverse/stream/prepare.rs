@@ -159,6 +159,8 @@ impl Prepared {
             exit = s.smaller(far + width, exit);
             widest = s.larger(width, widest);
             let origin = (o[k] - s.f32s(planes.low[k])) * s.f32s(planes.scale[k]) + s.f32s(planes.shift);
+            // Infinity becomes NaN, see `prepared.rs`.
+            let origin = origin + s.f32s(0.0) * origin;
             s.store(origin, &mut self.origin[k].0);
             s.store(inverse * s.f32s(1.0 / planes.scale[k]), &mut self.inverse[k].0);
             s.store(width, &mut self.slack[k].0);
