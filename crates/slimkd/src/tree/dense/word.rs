@@ -56,7 +56,9 @@ pub(super) fn grid(bounds: &Aabb) -> Option<Planes> {
         // An extent of 0 has no planes; any grid does.
         let span = if extent > 0.0 { extent.log2().ceil().exp2() } else { 1.0 };
         let span = if span < extent { 2.0 * span } else { span };
-        if !(1e-37..1e37).contains(&span) {
+        // Beyond, hits were missed with rays of 10^12 units: a case that is still to be understood.
+        let far = f64::from(bounds.min[k].abs().max(bounds.max[k].abs()));
+        if !(1e-6..1e9).contains(&span) || far > 1e9 {
             return None;
         }
         planes.low[k] = bounds.min[k];
@@ -81,7 +83,7 @@ mod tests {
 
     #[test]
     fn a_decoded_plane_lies_within_a_cell() {
-        let bounds = Aabb { min: [-3.0, 0.0, 1e-20], max: [5.0, 1e20, 3e-20] };
+        let bounds = Aabb { min: [-3.0, 0.0, 1e-5], max: [5.0, 1e8, 3e-5] };
         let planes = grid(&bounds).unwrap();
         for k in 0..3 {
             for i in 1..100 {
