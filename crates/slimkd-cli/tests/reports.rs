@@ -189,6 +189,20 @@ fn bench_measures_pictures_too() {
     assert_eq!(keys(&json["frames"]), set("[].preset [].device [].threads [].view [].frames_per_s"));
     assert_eq!(frames.len(), 2, "a preset that is named twice is measured once");
     assert!(frames.iter().all(|frame| frame["view"] == 1 && frame["threads"] == 2));
+
+    let json = tool.json(&line.replace("--threads 2", "--threads 1,2 --size 32x16"));
+    let threads = |key: &str| -> Vec<_> {
+        json[key].as_array().unwrap().iter().map(|result| result["threads"].as_u64().unwrap()).collect()
+    };
+    assert_eq!(threads("frames"), [1, 1, 2, 2]);
+    assert_eq!(
+        threads("results").iter().filter(|&&threads| threads == 2).count() * 2,
+        threads("results").len()
+    );
+    let table = tool.ok(&line.replace("--threads 2 --json", "--threads 1,2 --size 32x16")).stdout;
+    for words in ["view 1, 1 thread (32 x 16,", "view 1, 2 threads (32 x 16,", "frames/s    (0.0 %)"] {
+        assert!(table.contains(words), "{words}: {table}");
+    }
 }
 
 #[test]

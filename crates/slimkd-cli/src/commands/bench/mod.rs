@@ -3,7 +3,7 @@
 mod report;
 mod runner;
 
-use crate::args::{CameraArgs, SceneArgs, TuningArgs, preset, threads};
+use crate::args::{CameraArgs, SceneArgs, Size, TuningArgs, preset, threads};
 use crate::failure::Failure;
 use crate::kernel::Kernel;
 use crate::trees::Tree;
@@ -19,7 +19,8 @@ const EXAMPLES: &str = "\
 Examples:
   slimkd bench building.ply.zst
   slimkd bench sponza.obj --presets standard,paper-small --view 1 --json
-  slimkd bench kitchen --triangles 1000000 --threads 4 --frames
+  slimkd bench kitchen --triangles 1000000 --threads 1,4 --frames
+  slimkd bench kitchen --frames --size 256x256 --rays 1000
   slimkd bench kitchen --collapse       all presets, each with collapse
   slimkd bench tree.skd                 a saved tree alone
   slimkd bench tree.skd --presets slim,tiny     beside others of the same mesh
@@ -38,9 +39,9 @@ pub(crate) struct BenchArgs {
     /// The presets to compare; all unless given
     #[arg(long, value_name = "a,b,...", value_delimiter = ',', value_parser = preset())]
     presets: Vec<Preset>,
-    /// Threads to trace with
-    #[arg(long, value_name = "N", default_value = "1", value_parser = threads)]
-    threads: NonZeroUsize,
+    /// Threads to trace with; several numbers are measured one after the other
+    #[arg(long, value_name = "N,M,...", default_value = "1", value_delimiter = ',', value_parser = threads)]
+    threads: Vec<NonZeroUsize>,
     /// How rays are traced; the hits are the same with all
     #[arg(long, value_enum, default_value_t = Kernel::Single)]
     kernel: Kernel,
@@ -50,9 +51,12 @@ pub(crate) struct BenchArgs {
     /// Rays of a workload; as many as take about a minute in all unless given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_RAYS as i64))]
     rays: Option<u32>,
-    /// Measure whole pictures too: 1024 x 1024 pixels, Whitted's rays from one sample each, no ambient occlusion
+    /// Measure whole pictures too, each view's: Whitted's rays from one sample a pixel, no ambient occlusion
     #[arg(long)]
     frames: bool,
+    /// Width and height of these pictures in pixels
+    #[arg(long, value_name = "WxH", default_value = "1024x1024", requires = "frames")]
+    size: Size,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -69,23 +73,30 @@ pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
     let built = contenders(args, &mut loaded, ui)?;
     let scene = &loaded.scene;
     trees::warn_of_degenerate(&built[0].1.statistics, ui);
-    let bench = Bench {
-        scene,
-        trees: built.iter().map(|(preset, tree)| (preset.name(), &tree.tree)).collect(),
-        views: cameras::choose(&args.camera, scene, &built[0].1.tree, cameras::VIEWS)?,
-        pool: trees::pool(args.threads.get())?,
-        kernel: args.kernel,
-        rounds: args.rounds as usize,
-        rays: args.rays.map(|rays| rays as usize),
-    };
-    let steps = Steps::default();
-    let results = ui.watch("trace", &steps, || bench.rates(&steps, ui))?;
-    let frames = args.frames.then(|| {
+    let views = cameras::choose(&args.camera, scene, &built[0].1.tree, cameras::VIEWS)?;
+    let mut report = Report::default();
+    let mut counts = args.threads.clone();
+    counts.dedup();
+    for threads in counts {
+        let bench = Bench {
+            scene,
+            trees: built.iter().map(|(preset, tree)| (preset.name(), &tree.tree)).collect(),
+            views: views.clone(),
+            pool: trees::pool(threads.get())?,
+            kernel: args.kernel,
+            rounds: args.rounds as usize,
+            rays: args.rays.map(|rays| rays as usize),
+            size: args.size,
+        };
         let steps = Steps::default();
-        ui.watch("frames", &steps, || bench.frames(&steps))
-    });
-    let report = Report { results, frames: frames.transpose()? };
-    if args.json { ui::print_json(&report) } else { ui::print(&report.table()) }
+        report.results.extend(ui.watch("trace", &steps, || bench.rates(&steps, ui))?);
+        if args.frames {
+            let steps = Steps::default();
+            let frames = ui.watch("frames", &steps, || bench.frames(&steps))?;
+            report.frames.get_or_insert_default().extend(frames);
+        }
+    }
+    if args.json { ui::print_json(&report) } else { ui::print(&report.table(args.size)) }
 }
 
 /// The trees to compare. A saved one stands for its preset; beside it there are those that were asked for.

@@ -1,10 +1,12 @@
 //! What `bench` says.
 
+use crate::args::Size;
+use crate::ui::grouped;
 use serde::Serialize;
 use std::fmt::Write;
 
 /// The JSON object. Its keys are an interface: add, never rename.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 pub(super) struct Report {
     pub(super) results: Vec<Rate>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -33,36 +35,47 @@ pub(super) struct FrameRate {
 }
 
 impl Report {
-    /// Rates a workload, each beside its share of the first preset's.
-    pub(super) fn table(&self) -> String {
+    /// Rates a workload, each beside its share of the first preset's; pictures of `size`.
+    pub(super) fn table(&self, size: Size) -> String {
         let mut out = String::new();
-        let mut workload = "";
+        let mut group = None;
         let mut base = f64::NAN;
         for rate in &self.results {
-            if rate.workload != workload {
-                (workload, base) = (rate.workload, rate.mrays_per_s);
+            if group != Some((rate.workload, rate.threads)) {
+                (group, base) = (Some((rate.workload, rate.threads)), rate.mrays_per_s);
                 let share = 100.0 * rate.hits as f64 / rate.rays.max(1) as f64;
                 let _ = writeln!(
                     out,
-                    "{workload} ({} rays, {share:.1} % hit)",
-                    crate::ui::grouped(rate.rays as u64)
+                    "{} ({} rays, {share:.1} % hit, {})",
+                    rate.workload,
+                    grouped(rate.rays as u64),
+                    threads(rate.threads)
                 );
             }
             let (rate, preset) = (rate.mrays_per_s, rate.preset);
             let _ = writeln!(out, "  {preset:<12} {rate:>9.3} Mrays/s {:>7.3} x", rate / base);
         }
-        let mut view = 0;
+        let mut group = None;
         for frame in self.frames.iter().flatten() {
-            if frame.view != view {
-                (view, base) = (frame.view, frame.frames_per_s);
+            if group != Some((frame.view, frame.threads)) {
+                (group, base) = (Some((frame.view, frame.threads)), frame.frames_per_s);
                 let _ = writeln!(
                     out,
-                    "pictures of view {view} (1024 x 1024, 1 sample a pixel, no ambient occlusion)"
+                    "view {}, {} ({} x {}, 1 sample a pixel, no ambient occlusion; in brackets: degradation)",
+                    frame.view,
+                    threads(frame.threads),
+                    size.width,
+                    size.height
                 );
             }
             let (rate, preset) = (frame.frames_per_s, frame.preset);
-            let _ = writeln!(out, "  {preset:<12} {rate:>9.3} frames/s {:>6.3} x", rate / base);
+            let loss = 100.0 * (1.0 - rate / base);
+            let _ = writeln!(out, "  {preset:<12} {rate:>9.3} frames/s {:>10}", format!("({loss:.1} %)"));
         }
         out
     }
+}
+
+fn threads(count: usize) -> String {
+    if count == 1 { "1 thread".to_owned() } else { format!("{count} threads") }
 }

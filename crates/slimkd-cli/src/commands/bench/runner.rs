@@ -1,6 +1,7 @@
 //! The measuring itself.
 
 use super::report::{FrameRate, Rate};
+use crate::args::Size;
 use crate::cameras::View;
 use crate::failure::Failure;
 use crate::kernel::Kernel;
@@ -26,8 +27,6 @@ pub(super) const MOST_RAYS: usize = 1 << 20;
 const WORKLOADS: usize = 4;
 /// Where rays are traced.
 const DEVICE: &str = "cpu";
-/// Edge of the pictures of `--frames`, pixels.
-const FRAME: u32 = 1024;
 
 /// What is measured, and with what.
 pub(super) struct Bench<'a> {
@@ -38,6 +37,8 @@ pub(super) struct Bench<'a> {
     pub(super) kernel: Kernel,
     pub(super) rounds: usize,
     pub(super) rays: Option<usize>,
+    /// Of the pictures.
+    pub(super) size: Size,
 }
 
 impl Bench<'_> {
@@ -167,7 +168,7 @@ impl Bench<'_> {
     }
 
     fn picture(&self, tree: &KdTree, view: &View) -> Result<Film, Failure> {
-        let mut settings = RenderSettings::sized(FRAME, FRAME);
+        let mut settings = RenderSettings::sized(self.size.width, self.size.height);
         // The paper's rays alone: Whitted's, one sample a pixel.
         settings.samples = 1;
         settings.occlusion = 0;
