@@ -85,7 +85,7 @@ pub enum Layout {
     /// 8-byte nodes, 2 bytes a reference in leaves whose ids share their upper 16 bits (the paper's).
     TwoByte = 1,
     /// 4-byte nodes with planes on a grid, and byte-coded leaves. Holds no T-references and no scene whose extent is beyond
-    /// 10^-6 to 10^9: these are written as [`Layout::TwoByte`].
+    /// 8·10^37: these are written as [`Layout::TwoByte`].
     Dense = 2,
 }
 

@@ -3,7 +3,7 @@
 /// A ray `origin + t · direction` for t in `[t_min, t_max]`.
 ///
 /// `t` counts in units of `direction`, which may have any length but 0. A ray with a NaN, an infinite origin or
-/// direction, a zero direction, or `t_min > t_max` is invalid and misses everything.
+/// direction, a zero direction, or `t_min > t_max` is invalid and misses everything. A hit whose t is too large for f32 is none.
 ///
 /// ```
 /// let ray = slimkd::Ray::new([0.0, 0.0, -5.0], [0.0, 0.0, 2.0]).with_range(0.0, 10.0);

@@ -11,17 +11,40 @@
 //!    The sum stays below `slack = 2⁻¹⁹·M`, so the leaf that holds the triangle at that point is always visited:
 //!    closest hits cannot depend on the tree. Planes on a grid (`tree/dense`) add their cell to the slack, and the
 //!    origin's way into grid coordinates `5·2⁻²⁴·M` to t₀'s error: 15 of the 32 are used then.
+//!    Below, *width* is `(slack + cell)·|1/d|`, which only 15/32 of are needed.
 //! 2. `1/d` is bounded: an axis-parallel ray moves less than `slack` along a replaced component, so there is no
 //!    infinity and no 0·∞, and a ray inside a split plane visits both children.
 //! 3. Intervals are kept in units of the direction scaled by a power of two to a length near 1, so that directions
 //!    of 10⁻³⁰ or 10³⁰ neither overflow nor underflow. Hits report t in the user's units.
+//! 4. What f32 cannot hold makes slabs wider, never narrower, and an infinite slab visits both children: whatever `t₀`
+//!    is then, infinite and NaN too, `exit < t₀ − ∞` and `t₀ + ∞ < enter` are false.
+//!    - *Overflow of a factor.* Widths are counted in the units of the planes: `(4M·scale)·(slack/4M) + cell`, times the
+//!      same `|1/d|·unscale` that t₀ is multiplied by. So where that factor is infinite, its width is; and where the
+//!      origin in plane units is infinite, `4M·scale` is, which is at least twice as large.
+//!    - *Overflow of t₀ alone.* Its width is below 2¹²⁸, so what matters of the slab begins above 2¹²⁸·(1 − 15/32) > 2¹²⁷.
+//!      With M ≤ 2¹²⁶ the interval ends at M·(1 + 2⁻¹⁷) at most, as the longest component is 1 at least: the far child is
+//!      rightly left out. With a larger M, `4M` is infinite. So is the slack of a direction below the normal numbers,
+//!      whose longest component does not reach 1. The same holds for the bounds.
+//!    - *Underflow.* Products off by 2⁻¹⁵⁰ instead of a part of 2⁻²⁴, in the triangle test or here, stay far below the
+//!      least slack, [`LEAST`]. A t among the subnormal numbers is off by 2⁻¹⁵⁰ as well, which is `scale·2⁻¹⁵⁰` in scaled
+//!      units: the second part of that least slack is 2⁷ times this.
+//!    - t itself must be finite to count: a range ends at ±[`f32::MAX`], so that equal ones are equal.
 
 use super::counters::count;
 use super::sink::Sink;
 use crate::geometry::{Aabb, Ray, Shear};
 
 /// Half-width of a split plane relative to M; derived in the module head.
-pub(super) const SLACK: f32 = 1.0 / (1 << 19) as f32;
+const SLACK: f32 = 1.0 / (1 << 19) as f32;
+
+/// As [`SLACK`], relative to 4M.
+pub(super) const QUARTER_SLACK: f32 = SLACK / 4.0;
+
+/// The least 4M, which leaves the least slack a normal number; times the ray's scale where [`LEAST_SCALED`] of that is more.
+pub(super) const LEAST: f32 = f32::MIN_POSITIVE / QUARTER_SLACK;
+
+/// What [`LEAST`] is worth for a ray of scale 1: a slack of 2⁻¹⁴², of which the longest axis keeps half.
+pub(super) const LEAST_SCALED: f32 = 1.0 / (1 << 16) as f32;
 
 /// Smallest direction component relative to the largest: below it, a ray is parallel to the plane.
 pub(super) const PARALLEL: f32 = 1.0 / (1u64 << 60) as f32;
@@ -35,19 +58,20 @@ pub(crate) struct Planes {
     /// Their reciprocals.
     pub(crate) unscale: [f32; 3],
     pub(crate) shift: f32,
-    /// How far a plane may stand from where it was chosen, scene units.
-    pub(crate) cell: [f32; 3],
+    /// How far a plane may stand from where it was chosen, in these coordinates.
+    pub(crate) cell: f32,
 }
 
 impl Planes {
     /// Exact planes in scene units.
     pub(crate) const WORLD: Self =
-        Self { low: [0.0; 3], scale: [1.0; 3], unscale: [1.0; 3], shift: 0.0, cell: [0.0; 3] };
+        Self { low: [0.0; 3], scale: [1.0; 3], unscale: [1.0; 3], shift: 0.0, cell: 0.0 };
 
     /// A plane in scene units, and how far it may stand from where it was chosen.
     pub(crate) fn exact(&self, axis: usize, split: f32) -> (f64, f64) {
-        let place = (f64::from(split) - f64::from(self.shift)) / f64::from(self.scale[axis]);
-        (place + f64::from(self.low[axis]), self.cell[axis].into())
+        let unscale = f64::from(self.unscale[axis]);
+        let place = (f64::from(split) - f64::from(self.shift)) * unscale;
+        (place + f64::from(self.low[axis]), f64::from(self.cell) * unscale)
     }
 
     /// A plane in scene units.
@@ -71,7 +95,7 @@ pub(crate) struct PreparedRay {
     /// Interval inside the bounds, scaled units.
     pub(crate) enter: f32,
     pub(crate) exit: f32,
-    /// The user's interval.
+    /// The user's interval, finite.
     pub(crate) t_min: f32,
     pub(crate) t_max: f32,
     /// Scaled t per user t, a power of two.
@@ -93,36 +117,39 @@ impl PreparedRay {
             reach =
                 reach.max((bounds.min[k] - ray.origin[k]).abs()).max((bounds.max[k] - ray.origin[k]).abs());
         }
-        let slack = SLACK * reach;
+        let least = if longest < f32::MIN_POSITIVE {
+            f32::INFINITY
+        } else {
+            LEAST * larger(scale * LEAST_SCALED, 1.0)
+        };
+        let reach = 4.0 * reach + least;
         let (mut inverse, mut widths, mut near) = ([0.0; 3], [0.0; 3], [0; 3]);
-        let (mut enter, mut exit) = (ray.t_min * scale, ray.t_max * scale);
+        let (t_min, t_max) = (larger(ray.t_min, f32::MIN), smaller(ray.t_max, f32::MAX));
+        let (mut enter, mut exit) = (t_min * scale, t_max * scale);
         let unscale = reciprocal(scale);
         for k in 0..3 {
             let d = ray.direction[k] * unscale;
             let d = if d.abs() < PARALLEL { PARALLEL.copysign(d) } else { d };
-            inverse[k] = 1.0 / d;
-            widths[k] = (slack + planes.cell[k]) * inverse[k].abs();
+            let inverted = 1.0 / d;
+            inverse[k] = inverted * planes.unscale[k];
+            widths[k] = (reach * planes.scale[k] * QUARTER_SLACK + planes.cell) * inverse[k].abs();
             near[k] = if d < 0.0 { u32::MAX } else { 0 };
             let (low, high) =
-                ((bounds.min[k] - ray.origin[k]) * inverse[k], (bounds.max[k] - ray.origin[k]) * inverse[k]);
+                ((bounds.min[k] - ray.origin[k]) * inverted, (bounds.max[k] - ray.origin[k]) * inverted);
             let (first, last) = if d < 0.0 { (high, low) } else { (low, high) };
             enter = larger(first - widths[k], enter);
             exit = smaller(last + widths[k], exit);
         }
         (enter <= exit).then(|| Self {
             shear,
-            origin: std::array::from_fn(|k| {
-                let start = (ray.origin[k] - planes.low[k]) * planes.scale[k] + planes.shift;
-                // Beyond f32 it must become NaN, which visits both children; infinity would leave one out.
-                start + 0.0 * start
-            }),
-            inverse: std::array::from_fn(|k| inverse[k] * planes.unscale[k]),
+            origin: std::array::from_fn(|k| (ray.origin[k] - planes.low[k]) * planes.scale[k] + planes.shift),
+            inverse,
             slack: widths,
             near,
             enter,
             exit,
-            t_min: ray.t_min,
-            t_max: ray.t_max,
+            t_min,
+            t_max,
             scale,
         })
     }
@@ -169,7 +196,7 @@ fn power_of_two_below(x: f32) -> f32 {
 
 /// Exact reciprocal of a power of two between 2⁻¹²⁶ and 2¹²⁷ (the last one's is subnormal, and still exact).
 #[inline]
-pub(super) fn reciprocal(power: f32) -> f32 {
+fn reciprocal(power: f32) -> f32 {
     if power >= 2.0f32.powi(127) { 2.0f32.powi(-127) } else { f32::from_bits((254 << 23) - power.to_bits()) }
 }
 

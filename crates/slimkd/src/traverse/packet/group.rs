@@ -6,7 +6,7 @@
 use crate::geometry::{Aabb, Ray};
 use crate::traverse::Planes;
 use crate::traverse::arch::Simd;
-use crate::traverse::prepared::{PARALLEL, SLACK, reciprocal};
+use crate::traverse::prepared::{LEAST, LEAST_SCALED, PARALLEL, QUARTER_SLACK};
 
 /// Lanes of one vector.
 pub(super) const WIDTH: usize = 16;
@@ -168,7 +168,8 @@ impl<S: Simd, const G: usize> Group<S, G> {
         // Scale: the power of two at or below the longest component, and its reciprocal.
         let exponent = s.cast_u32(s.abs(depth)) & s.u32s(0x7f80_0000);
         let least = s.u32s(f32::MIN_POSITIVE.to_bits());
-        let exponent = s.select_u32(s.lt_u32(exponent, least), least, exponent);
+        let subnormal = s.lt_u32(exponent, least);
+        let exponent = s.select_u32(subnormal, least, exponent);
         let scale = s.cast_f32(exponent);
         let last = s.u32s(254 << 23);
         let unscale = s.cast_f32(last - exponent);
@@ -181,8 +182,10 @@ impl<S: Simd, const G: usize> Group<S, G> {
             let (low, high) = (s.f32s(bounds.min[k]) - origin[k], s.f32s(bounds.max[k]) - origin[k]);
             reach = s.larger(s.abs(high), s.larger(s.abs(low), reach));
         }
-        let slack = s.f32s(SLACK) * reach;
+        let least = s.f32s(LEAST) * s.larger(scale * s.f32s(LEAST_SCALED), s.f32s(1.0));
+        let reach = s.f32s(4.0) * reach + s.select(subnormal, infinity, least);
 
+        let (t_min, t_max) = (s.larger(t_min, s.f32s(f32::MIN)), s.smaller(t_max, s.f32s(f32::MAX)));
         let (mut enter, mut exit) = (t_min * scale, t_max * scale);
         for k in 0..3 {
             let d = direction[k] * unscale;
@@ -190,7 +193,9 @@ impl<S: Simd, const G: usize> Group<S, G> {
             let small = s.cast_f32(sign | s.u32s(PARALLEL.to_bits()));
             let d = s.select(s.lt(s.abs(d), s.f32s(PARALLEL)), small, d);
             let inverse = s.f32s(1.0) / d;
-            let width = (slack + s.f32s(planes.cell[k])) * s.abs(inverse);
+            let plane_inverse = inverse * s.f32s(planes.unscale[k]);
+            let width = reach * s.f32s(planes.scale[k]) * s.f32s(QUARTER_SLACK) + s.f32s(planes.cell);
+            let width = width * s.abs(plane_inverse);
             let low = (s.f32s(bounds.min[k]) - origin[k]) * inverse;
             let high = (s.f32s(bounds.max[k]) - origin[k]) * inverse;
             let negative = s.lt(d, zero);
@@ -199,11 +204,9 @@ impl<S: Simd, const G: usize> Group<S, G> {
             exit = s.smaller(last + width, exit);
             classes.negative[k] |= u64::from(s.bits(negative)) << at;
             let start = (origin[k] - s.f32s(planes.low[k])) * s.f32s(planes.scale[k]) + s.f32s(planes.shift);
-            // Infinity becomes NaN, see `prepared.rs`.
-            let start = start + s.f32s(0.0) * start;
             self.origin[k][g] = origin[k];
             self.start[k][g] = start;
-            self.inverse[k][g] = inverse * s.f32s(reciprocal(planes.scale[k]));
+            self.inverse[k][g] = plane_inverse;
             self.slack[k][g] = width;
         }
         valid = valid & s.le(enter, exit);

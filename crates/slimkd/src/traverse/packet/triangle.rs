@@ -100,7 +100,8 @@ pub(super) fn test<S: Simd, const G: usize, const COMMON: bool, const ANY: bool>
 ///
 /// A hit's t is a convex combination of the corners' z over the direction's, f64 and so off by less than 2⁻⁴⁸, then rounded
 /// once to f32 (2⁻²⁴): it lies beyond the limit when the nearest z lies beyond limit · depth by more than their 2⁻²². The
-/// smallest normal number stands in where that underflows. NaN rejects nothing.
+/// smallest normal number stands in where t is subnormal, so that its rounding is not relative, and where the product
+/// underflows. NaN rejects nothing.
 #[inline(always)]
 fn behind<S: Simd, const G: usize>(
     s: S,
@@ -109,8 +110,9 @@ fn behind<S: Simd, const G: usize>(
     descends: bool,
     [a, b, c]: [S::F; 3],
 ) -> S::M {
-    let end = group.limit[g] * s.abs(group.depth[g]);
-    let end = end + s.abs(end) * s.f32s(BEHIND) + s.f32s(f32::MIN_POSITIVE);
+    let least = s.f32s(f32::MIN_POSITIVE);
+    let end = (group.limit[g] + least) * s.abs(group.depth[g]);
+    let end = end + s.abs(end) * s.f32s(BEHIND) + least;
     if descends {
         s.lt(s.larger(a, s.larger(b, c)), s.f32s(0.0) - end)
     } else {

@@ -5,8 +5,8 @@
 //!
 //! Deviations
 //! 1. No mask says which rays are active: a ray is active where its interval is not empty. The slab rule of
-//!    `prepared.rs` empties exactly the intervals of the children that the single walk leaves out. A NaN (of an
-//!    infinite scene) empties nothing, as there.
+//!    `prepared.rs` empties exactly the intervals of the children that the single walk leaves out. A NaN empties nothing,
+//!    as there.
 //! 2. G vectors share one walk: a node is fetched and decoded once for 64 rays.
 //! 3. With a common origin the distance to a plane and to a triangle's corners is computed once for all rays.
 //! 4. A triangle is fetched while the one before it is tested.
@@ -40,9 +40,7 @@ impl Eye {
     pub(super) fn new(at: [f32; 3], planes: &Planes) -> Self {
         let mut start = at;
         for k in 0..3 {
-            let place = (at[k] - planes.low[k]) * planes.scale[k] + planes.shift;
-            // Infinity becomes NaN, see `prepared.rs`.
-            start[k] = place + 0.0 * place;
+            start[k] = (at[k] - planes.low[k]) * planes.scale[k] + planes.shift;
         }
         Self { at, start }
     }

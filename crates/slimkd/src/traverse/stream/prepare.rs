@@ -5,7 +5,7 @@
 use super::answers::Answers;
 use crate::geometry::{Aabb, Ray};
 use crate::traverse::arch::Simd;
-use crate::traverse::prepared::{PARALLEL, Planes, SLACK};
+use crate::traverse::prepared::{LEAST, LEAST_SCALED, PARALLEL, Planes, QUARTER_SLACK};
 use std::mem::offset_of;
 
 /// A value a ray.
@@ -131,7 +131,8 @@ impl Prepared {
         // A power of two and its exact reciprocal, as in `PreparedRay::new`.
         let smallest = s.u32s(f32::MIN_POSITIVE.to_bits());
         let power = s.cast_u32(s.abs(depth)) & s.u32s(0x7f80_0000);
-        let power = s.select_u32(s.lt_u32(power, smallest), smallest, power);
+        let subnormal = s.lt_u32(power, smallest);
+        let power = s.select_u32(subnormal, smallest, power);
         let scale = s.cast_f32(power);
         let huge = s.le(s.f32s(2.0f32.powi(127)), scale);
         let unscale = s.select(huge, s.f32s(2.0f32.powi(-127)), s.cast_f32(s.u32s(254 << 23) - power));
@@ -141,7 +142,9 @@ impl Prepared {
             let (low, high) = (s.f32s(bounds.min[k]) - o[k], s.f32s(bounds.max[k]) - o[k]);
             reach = s.larger(s.abs(high), s.larger(s.abs(low), reach));
         }
-        let slack = s.f32s(SLACK) * reach;
+        let least = s.f32s(LEAST) * s.larger(scale * s.f32s(LEAST_SCALED), s.f32s(1.0));
+        let reach = s.f32s(4.0) * reach + s.select(subnormal, infinite, least);
+        let (t_min, t_max) = (s.larger(t_min, s.f32s(f32::MIN)), s.smaller(t_max, s.f32s(f32::MAX)));
         let (mut enter, mut exit, mut widest) = (t_min * scale, t_max * scale, zero);
         let limit = exit;
         for k in 0..3 {
@@ -150,7 +153,9 @@ impl Prepared {
             let parallel = s.cast_f32(s.u32s(PARALLEL.to_bits()) | sign);
             let along = s.select(s.lt(s.abs(along), s.f32s(PARALLEL)), parallel, along);
             let inverse = s.f32s(1.0) / along;
-            let width = (slack + s.f32s(planes.cell[k])) * s.abs(inverse);
+            let plane_inverse = inverse * s.f32s(planes.unscale[k]);
+            let width = reach * s.f32s(planes.scale[k]) * s.f32s(QUARTER_SLACK) + s.f32s(planes.cell);
+            let width = width * s.abs(plane_inverse);
             let low = (s.f32s(bounds.min[k]) - o[k]) * inverse;
             let high = (s.f32s(bounds.max[k]) - o[k]) * inverse;
             let down = s.lt(along, zero);
@@ -159,10 +164,8 @@ impl Prepared {
             exit = s.smaller(far + width, exit);
             widest = s.larger(width, widest);
             let origin = (o[k] - s.f32s(planes.low[k])) * s.f32s(planes.scale[k]) + s.f32s(planes.shift);
-            // Infinity becomes NaN, see `prepared.rs`.
-            let origin = origin + s.f32s(0.0) * origin;
             s.store(origin, &mut self.origin[k].0);
-            s.store(inverse * s.f32s(1.0 / planes.scale[k]), &mut self.inverse[k].0);
+            s.store(plane_inverse, &mut self.inverse[k].0);
             s.store(width, &mut self.slack[k].0);
         }
         let enters = valid & s.le(enter, exit);
@@ -191,6 +194,7 @@ impl Prepared {
 }
 
 /// Widest slacks that an interval of a subtree and the interval behind it may overlap by: two, and what rounding adds.
+/// Where a plane cannot be told, both children have their parent's whole interval; such a ray's widest slack is infinite.
 const MARGIN: f32 = 3.0;
 
 /// By the longest axis.

@@ -2,6 +2,7 @@
 
 use crate::geometry::Aabb;
 use crate::traverse::{Planes, Simd};
+use std::ops::RangeInclusive;
 
 /// Bits of a plane's position.
 pub(super) const PLANE_BITS: u32 = 21;
@@ -45,6 +46,10 @@ pub(super) fn inner(axis: u8, plane: u32, distance: u32) -> u32 {
     plane << (32 - PLANE_BITS) | near << 2 | u32::from(axis)
 }
 
+/// Shortest and longest grid, scene units, so that all of [`Planes`] are normal numbers and `1/d · unscale`, with
+/// `1/d` above ½, is. A thinner scene is divided less finely; a longer one has no grid.
+const SPAN: RangeInclusive<f64> = 7.888_609_052_210_118e-31..=8.507_059_173_023_462e37;
+
 /// The grid over a scene: per axis, the power of two at or above the extent has 2^21 cells. `None` where f32 cannot hold
 /// its scales.
 pub(super) fn grid(bounds: &Aabb) -> Option<Planes> {
@@ -56,17 +61,16 @@ pub(super) fn grid(bounds: &Aabb) -> Option<Planes> {
         // An extent of 0 has no planes; any grid does.
         let span = if extent > 0.0 { extent.log2().ceil().exp2() } else { 1.0 };
         let span = if span < extent { 2.0 * span } else { span };
-        // Beyond, hits were missed with rays of 10^12 units: a case that is still to be understood.
-        let far = f64::from(bounds.min[k].abs().max(bounds.max[k].abs()));
-        if !(1e-6..1e9).contains(&span) || far > 1e9 {
+        if span > *SPAN.end() {
             return None;
         }
+        let span = span.max(*SPAN.start());
         planes.low[k] = bounds.min[k];
         planes.scale[k] = (1.0 / span) as f32;
         planes.unscale[k] = span as f32;
-        planes.cell[k] = (span / f64::from(1u32 << PLANE_BITS)) as f32;
-        planes.shift = 1.0;
     }
+    planes.shift = 1.0;
+    planes.cell = 1.0 / (1u32 << PLANE_BITS) as f32;
     Some(planes)
 }
 
@@ -83,7 +87,7 @@ mod tests {
 
     #[test]
     fn a_decoded_plane_lies_within_a_cell() {
-        let bounds = Aabb { min: [-3.0, 0.0, 1e-5], max: [5.0, 1e8, 3e-5] };
+        let bounds = Aabb { min: [-3.0, 0.0, 1e-20], max: [5.0, 1e20, 3e-20] };
         let planes = grid(&bounds).unwrap();
         for k in 0..3 {
             for i in 1..100 {
@@ -92,7 +96,8 @@ mod tests {
                     let word = inner(k as u8, cell(&planes, k, position), distance);
                     let decoded =
                         f64::from(split(word) - 1.0) / f64::from(planes.scale[k]) + f64::from(planes.low[k]);
-                    let error = (decoded - f64::from(position)).abs() / f64::from(planes.cell[k]);
+                    let error = (decoded - f64::from(position)).abs()
+                        / (f64::from(planes.cell) / f64::from(planes.scale[k]));
                     assert!(error <= 1.0, "{error} cells on axis {k}");
                     assert_eq!(word & 3, k as u32);
                     assert_eq!(super::distance(word), if distance < 512 { distance } else { 0 });
@@ -104,7 +109,8 @@ mod tests {
     #[test]
     fn scales_beyond_f32_have_no_grid() {
         assert!(grid(&Aabb { min: [-3e38; 3], max: [3e38; 3] }).is_none());
-        assert!(grid(&Aabb { min: [0.0; 3], max: [1e-40, 1.0, 1.0] }).is_none());
+        let thin = grid(&Aabb { min: [0.0; 3], max: [1e-40, 1.0, 8e37] }).unwrap();
+        assert!(thin.scale.iter().chain(&thin.unscale).all(|x| x.is_normal()));
         assert!(grid(&Aabb { min: [0.0; 3], max: [0.0, 1.0, 1.0] }).is_some());
     }
 }
