@@ -44,7 +44,7 @@ fn mesh(scales: [i32; 3], offsets: Option<[i32; 3]>, seed: u64) -> TriangleMesh 
             vertices.push(std::array::from_fn(|k| {
                 let x = at[k] + size * (corner[k] - 0.5);
                 // On a coarse raster, planes and corners are shared.
-                let x = if seed % 2 == 0 { (8.0 * x).round() / 8.0 } else { x };
+                let x = if seed.is_multiple_of(2) { (8.0 * x).round() / 8.0 } else { x };
                 center[k] + power(scales[k]) * (2.0 * x - 1.0)
             }));
         }
