@@ -35,7 +35,7 @@
 //! # Keeping a tree
 //!
 //! [`KdTree::save`] and [`KdTree::load`], or [`KdTree::write`] and [`KdTree::read`] for any stream, with or without the
-//! mesh. Reading proves the whole file.
+//! mesh. Reading proves the whole file; [`OpenTree`] is ready at once over mapped bytes and checks each access.
 //!
 //! # How small, how fast
 //!
@@ -65,4 +65,4 @@ pub use build::{BuildError, BuildOptions, Clipping, Layout, Preset, Progress, Sa
 pub use geometry::{Aabb, MeshError, Ray, RefinedHit, TriangleMesh};
 pub use reduce::{CountedLeaves, HoistAlgorithm, Hoisting, OccupancyBase, WhenLeafRemains};
 pub use traverse::{BruteForce, ClosestPoint, Counters, Hit, InstructionSet};
-pub use tree::{FileError, KdTree, MemoryReport, TreeStatistics};
+pub use tree::{FileError, KdTree, MemoryReport, OpenTree, TreeStatistics};

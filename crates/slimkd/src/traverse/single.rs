@@ -76,7 +76,8 @@ fn walk<const Z: usize>(nodes: impl Nodes, ray: &PreparedRay, sink: &mut impl Si
             } else if last < enter {
                 at = far;
             } else {
-                stack[top] = Far { node: far, enter: larger(first, enter), exit };
+                let Some(place) = stack.get_mut(top) else { return nodes.too_deep() };
+                *place = Far { node: far, enter: larger(first, enter), exit };
                 top += 1;
                 at = near;
                 exit = smaller(last, exit);

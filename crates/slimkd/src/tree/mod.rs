@@ -1,5 +1,6 @@
 //! The finished tree: its bytes, its size, its shape.
 
+mod checked;
 mod dense;
 mod file;
 mod kdtree;
@@ -11,7 +12,7 @@ mod queries;
 mod statistics;
 mod walk;
 
-pub use file::FileError;
+pub use file::{FileError, OpenTree};
 pub use kdtree::KdTree;
 pub(crate) use lanes::{LaneNodes, LaneStep};
 pub use memory::MemoryReport;

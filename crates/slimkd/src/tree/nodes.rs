@@ -26,7 +26,7 @@ pub(crate) struct Inner {
     pub(crate) t_reference: Option<u32>,
 }
 
-/// A proven tree: every address that comes from it can be read without bounds checks. The root's is 0.
+/// A proven tree, or one whose view checks every access: every address that comes from it can be read without bounds checks. The root's is 0.
 ///
 /// A [`KdTree`] comes only from an encoder, whose output holds by construction, or from a file, which is proved on reading.
 /// None of it can change afterwards. Leaving the checks out and making the ray's axis a constant took a sixth off every
@@ -63,6 +63,10 @@ pub(crate) trait Nodes: Copy {
 
     /// The coordinates of its split planes.
     fn planes(self) -> Planes;
+
+    /// Is told that a path is longer than the tree is deep: what was not proved may be so.
+    #[cold]
+    fn too_deep(self) {}
 }
 
 /// Ids that are taken off a leaf at once, at most; nearly every leaf is one piece.

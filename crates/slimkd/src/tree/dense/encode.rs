@@ -54,11 +54,16 @@ pub(in crate::tree) fn encode(
 impl Dense {
     /// From the bytes of a file, to be proved. `None` where no tree over these bounds has this layout.
     pub(in crate::tree) fn from_bytes(bytes: Vec<u8>, bounds: &Aabb, triangles: usize) -> Option<Self> {
-        if triangles as u64 > TRIANGLE_LIMIT || bytes.len() as u64 > BYTE_LIMIT {
+        if !fits(bytes.len(), triangles) {
             return None;
         }
         Some(Self { bytes, index_bytes: 0, code: LeafCode::new(triangles), planes: word::grid(bounds)? })
     }
+}
+
+/// Whether addresses reach all bytes, and headers all triangles.
+pub(super) fn fits(bytes: usize, triangles: usize) -> bool {
+    triangles as u64 <= TRIANGLE_LIMIT && bytes as u64 <= BYTE_LIMIT
 }
 
 fn check(what: &'static str, needed: u64, limit: u64) -> Result<(), BuildError> {

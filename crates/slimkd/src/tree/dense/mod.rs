@@ -19,6 +19,7 @@
 //! widened here by the grid's cell. Which triangles a leaf holds was decided with the exact plane. So hits are the same
 //! to the last bit, and a ray descends into one child too many only when it crosses within a cell of the plane.
 
+mod checked;
 mod encode;
 mod lanes;
 mod leaf;
@@ -26,7 +27,9 @@ mod validate;
 mod view;
 mod word;
 
+pub(crate) use checked::CheckedDense;
 pub(super) use encode::encode;
+use encode::fits;
 pub(super) use validate::validate;
 pub(crate) use view::DenseView;
 

@@ -19,9 +19,11 @@
 //!
 //! [`KdTree::read`] proves everything before it returns: checksums, pointers, ids, order, bounds, depth, and that each
 //! triangle that can be hit is somewhere in the tree. So a damaged or hostile file is an error and never a wrong access.
-//! Memory is taken as bytes arrive, so a length that lies ends at the file's end.
+//! Memory is taken as bytes arrive, so a length that lies ends at the file's end. [`OpenTree`] proves nothing of the arrays and
+//! checks each access instead.
 
 mod bytes;
+mod open;
 mod options;
 mod save;
 mod sections;
@@ -31,6 +33,8 @@ mod table;
 use super::{KdTree, walk};
 use crate::geometry::{MeshError, TriangleMesh};
 use crate::traverse::InstructionSet;
+pub use open::OpenTree;
+
 use bytes::{Section, le_bytes};
 use sections::Parts;
 use shape::Shape;

@@ -10,10 +10,10 @@ use crate::tree::plain::{self, Plain};
 use std::borrow::Cow;
 use std::io::Read;
 
-const NODES: Kind = Kind(Kind::TREE.0);
-const INDICES_4BYTE: Kind = Kind(Kind::TREE.0 + 1);
-const INDICES_2BYTE: Kind = Kind(Kind::TREE.0 + 2);
-const DENSE: Kind = Kind(Kind::TREE.0 + 3);
+pub(super) const NODES: Kind = Kind(Kind::TREE.0);
+pub(super) const INDICES_4BYTE: Kind = Kind(Kind::TREE.0 + 1);
+pub(super) const INDICES_2BYTE: Kind = Kind(Kind::TREE.0 + 2);
+pub(super) const DENSE: Kind = Kind(Kind::TREE.0 + 3);
 
 /// Parts of a tree of either layout, as they come.
 #[derive(Default)]

@@ -18,8 +18,8 @@ pub(super) struct Shape {
     pub(super) triangles: u64,
     degenerate: u64,
     mesh_hash: u64,
-    bounds: Aabb,
-    depth: u32,
+    pub(super) bounds: Aabb,
+    pub(super) depth: u32,
 }
 
 impl TriangleMesh {

@@ -1,11 +1,13 @@
 //! The plain layout: the paper's 8-byte nodes and its two leaf modes.
 
+mod checked;
 mod encode;
 mod lanes;
 mod layout;
 mod validate;
 mod view;
 
+pub(crate) use checked::CheckedPlain;
 pub(super) use encode::encode;
 pub(crate) use layout::Packed;
 pub(super) use validate::validate;

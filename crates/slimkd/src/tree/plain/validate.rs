@@ -10,6 +10,8 @@ use crate::tree::file::damaged;
 pub(in crate::tree) fn validate(encoded: &Plain, triangles: usize) -> Result<u32, FileError> {
     let mut reached = 0;
     let mut deepest = 0;
+    // Each index belongs to one leaf: so reading all leaves takes no longer than the file is.
+    let (mut wide, mut narrow) = (0, 0);
     let check_id =
         |id: u32| if (id as usize) < triangles { Ok(()) } else { damaged("an id names no triangle") };
     encoded.indices_4byte.iter().try_for_each(|&id| check_id(id))?;
@@ -33,17 +35,25 @@ pub(in crate::tree) fn validate(encoded: &Plain, triangles: usize) -> Result<u32
                 pending.extend([(children + 1, depth + 1), (children, depth + 1)]);
             }
             Node::Leaf4 { first, count } => {
+                wide += count as usize;
                 if first as usize + count as usize > encoded.indices_4byte.len() {
                     return damaged("a leaf's indices lie outside");
                 }
             }
             Node::Leaf2 { first, count, upper } => {
+                narrow += count as usize;
+                if narrow > encoded.indices_2byte.len() {
+                    break;
+                }
                 match encoded.indices_2byte.get(first as usize..first as usize + count as usize) {
                     Some(ids) => ids.iter().try_for_each(|&lower| check_id(upper | u32::from(lower)))?,
                     None => return damaged("a leaf's indices lie outside"),
                 }
             }
         }
+    }
+    if (wide, narrow) != (encoded.indices_4byte.len(), encoded.indices_2byte.len()) {
+        return damaged("leaves share indices, or leave some over");
     }
     if reached == encoded.nodes.len() { Ok(deepest) } else { damaged("nodes are shared or left over") }
 }

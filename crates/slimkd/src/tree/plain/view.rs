@@ -32,16 +32,18 @@ impl<'a> PlainView<'a> {
 /// A leaf in reading.
 #[derive(Clone, Copy)]
 pub(crate) struct Leaf {
-    first: u32,
-    left: u32,
+    pub(super) first: u32,
+    pub(super) left: u32,
     /// The shared upper half in 2-byte mode.
-    upper: u32,
-    mode: LeafMode,
+    pub(super) upper: u32,
+    pub(super) mode: LeafMode,
 }
 
 impl Leaf {
+    pub(super) const EMPTY: Self = Self { first: 0, left: 0, upper: 0, mode: LeafMode::FourByte };
+
     #[inline(always)]
-    fn new(node: Packed) -> Self {
+    pub(super) fn new(node: Packed) -> Self {
         let first = node.pointer();
         if node.is_2byte() {
             Self { first, left: node.count_2byte(), upper: node.upper(), mode: LeafMode::TwoByte }
