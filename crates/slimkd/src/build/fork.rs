@@ -12,8 +12,12 @@ use super::search::Scratch;
 use crate::geometry::Aabb;
 use rayon::prelude::*;
 
-/// Below this many triangles a node is built by one thread: splitting finer costs more than it gains.
+/// Below this many triangles a node is built by one thread: splitting finer costs more than it gains, on large scenes.
 const SEQUENTIAL_BELOW: usize = 4096;
+/// Smaller scenes are cut into about so many subtrees, so that a sample of them is a small part of the whole.
+const SUBTREES: usize = 512;
+/// But no subtree is cut below so many triangles.
+const LEAST_SUBTREE: usize = 256;
 /// Fork and join at most this deep, so that a scene that cuts off triangles one by one cannot use up the stack.
 const PARALLEL_DEPTH: u32 = 24;
 /// Fragments in a piece: 1 MB, which fits a core's cache.
@@ -126,7 +130,9 @@ impl Builder<'_> {
             .collect::<Result<_, BuildError>>()?;
         let below = (1.0 - TOP_SHARE) * weight;
         let mut tasks = Vec::new();
-        let top = self.fork(Task { pieces, voxel, weight: below }, 0)?.numbered(&mut tasks);
+        let sequential_below = (triangles.len() / SUBTREES).clamp(LEAST_SUBTREE, SEQUENTIAL_BELOW);
+        let root = Task { pieces, voxel, weight: below };
+        let top = self.fork(root, 0, sequential_below)?.numbered(&mut tasks);
         self.progress.advance(weight - below);
         let (mut subtrees, collapsed) = self.subtrees(tasks, &top, voxel.surface_area())?;
         self.drop_scratch();
@@ -146,14 +152,18 @@ impl Builder<'_> {
         Ok(plan)
     }
 
-    fn fork(&self, task: Task, depth: u32) -> Result<Forked, BuildError> {
+    fn fork(&self, task: Task, depth: u32, sequential_below: usize) -> Result<Forked, BuildError> {
         let count = task.count();
-        if count < SEQUENTIAL_BELOW || depth >= PARALLEL_DEPTH {
+        let is_leaf = count <= self.options.leaf_at_most as usize;
+        if count < sequential_below || depth >= PARALLEL_DEPTH || is_leaf {
             return Ok(Forked::Task(task));
         }
         self.check()?;
         let mut scratch = self.take_scratch();
-        let split = scratch.best_split_parallel(&task.pieces, count, &task.voxel, self.options);
+        let split = match &task.pieces[..] {
+            [piece] => scratch.best_split(piece, &task.voxel, self.options, 0.0),
+            pieces => scratch.best_split_parallel(pieces, count, &task.voxel, self.options),
+        };
         self.give_scratch(scratch);
         let Some(split) = split else { return Ok(Forked::Task(task)) };
         let Task { pieces, voxel, weight } = task;
@@ -165,7 +175,10 @@ impl Builder<'_> {
         let (lefts, rights) = (left.count() as f64, right.count() as f64);
         left.weight = weight * lefts / (lefts + rights).max(1.0);
         right.weight = weight - left.weight;
-        let (left, right) = rayon::join(|| self.fork(left, depth + 1), || self.fork(right, depth + 1));
+        let (left, right) = rayon::join(
+            || self.fork(left, depth + 1, sequential_below),
+            || self.fork(right, depth + 1, sequential_below),
+        );
         let node = TopNode {
             axis: split.axis as u8,
             split: split.position,

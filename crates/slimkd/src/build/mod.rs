@@ -9,6 +9,7 @@ mod pairs;
 mod partition;
 mod plan;
 mod predict;
+mod price;
 mod progress;
 mod recursion;
 mod sah;
@@ -18,5 +19,6 @@ mod sweep;
 
 pub use options::{BuildError, BuildOptions, Clipping, Layout, Preset, SahConstants, TreeBudget};
 pub(crate) use plan::{Plan, PlanNode};
+pub(crate) use price::Bound;
 pub use progress::Progress;
 pub(crate) use recursion::Builder;

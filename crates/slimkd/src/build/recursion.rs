@@ -13,6 +13,7 @@ use super::fragment::{Fragment, TRIANGLE_LIMIT};
 use super::partition::Partition;
 use super::plan::{Plan, PlanNode};
 use super::predict::Predictor;
+use super::price::Bound;
 use super::search::Scratch;
 use super::{BuildError, BuildOptions, Layout, Progress};
 use crate::geometry::{Aabb, TriangleMesh};
@@ -28,6 +29,8 @@ pub(crate) struct Builder<'a> {
     pub(super) mesh: &'a TriangleMesh,
     pub(super) options: &'a BuildOptions,
     pub(super) progress: &'a Progress,
+    /// What the finished tree must keep to, if anything.
+    pub(super) bound: Option<Bound<'a>>,
     scratch: Mutex<Vec<Box<Scratch>>>,
 }
 
@@ -68,7 +71,12 @@ impl<'a> Builder<'a> {
         if needed > limit {
             return Err(BuildError::TooLarge { what: "triangles", needed, limit });
         }
-        Ok(Self { mesh, options, progress, scratch: Mutex::new(Vec::new()) })
+        Ok(Self { mesh, options, progress, bound: None, scratch: Mutex::new(Vec::new()) })
+    }
+
+    /// For a tree that keeps to a bound.
+    pub(crate) fn within(self, bound: Option<Bound<'a>>) -> Self {
+        Self { bound, ..self }
     }
 
     /// An error once the build was cancelled.

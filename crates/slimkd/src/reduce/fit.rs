@@ -17,6 +17,8 @@ const STEPS: u32 = 8;
 /// First weight that is tried where the options have a smaller one, and the first factor to the next.
 const FIRST: f32 = 0.03;
 const FACTOR: f32 = 3.0;
+/// The first factor where the builder has aimed at the budget already.
+const NEAR: f32 = 1.15;
 /// At this weight a tree is one leaf, or nothing will make it so.
 const LAST: f32 = 1e9;
 
@@ -30,19 +32,36 @@ pub(crate) fn fit<T>(
     budget: u64,
     mut encode: impl FnMut(&Plan) -> Result<(T, u64), BuildError>,
 ) -> Result<(T, f32), BuildError> {
-    let mut at = |weight: f32| {
+    let at = |weight: f32| {
         builder.check()?;
+        if plan.collapsed.is_some_and(|collapsed| collapsed.byte_weight == weight) {
+            return encode(plan);
+        }
         let weighed = BuildOptions { collapse: true, byte_weight: weight, ..options.clone() };
         encode(&prune(plan.clone(), voxel, &weighed))
     };
-    let mut low = options.byte_weight;
+    let built = plan.collapsed.map_or(0.0, |collapsed| collapsed.byte_weight);
+    if built > options.byte_weight {
+        return search_weight(built, Some(NEAR), budget, at);
+    }
+    search_weight(options.byte_weight, None, budget, at)
+}
+
+/// What `at` makes of the least weight, from `low` on, at which it says that the bytes are within `budget`; and that weight.
+/// `near` is the factor to a second weight if the first should nearly do.
+pub(crate) fn search_weight<T>(
+    mut low: f32,
+    near: Option<f32>,
+    budget: u64,
+    mut at: impl FnMut(f32) -> Result<(T, u64), BuildError>,
+) -> Result<(T, f32), BuildError> {
     let (tree, mut low_bytes) = at(low)?;
     if low_bytes <= budget {
         return Ok((tree, low));
     }
     drop(tree);
-    let mut high = FIRST.max(FACTOR * low);
-    let mut factor = FACTOR;
+    let mut factor = near.unwrap_or(FACTOR);
+    let mut high = if near.is_some() { factor * low } else { FIRST.max(factor * low) };
     let (mut tree, mut high_bytes) = loop {
         let (tree, bytes) = at(high)?;
         if bytes <= budget {
@@ -53,7 +72,7 @@ pub(crate) fn fit<T>(
         }
         (low, low_bytes) = (high, bytes);
         high *= factor;
-        factor *= FACTOR;
+        factor *= factor;
     };
     for _ in 0..STEPS {
         if high_bytes as f64 >= FULL * budget as f64 {

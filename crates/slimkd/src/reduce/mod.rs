@@ -15,7 +15,7 @@ mod work;
 use crate::build::{BuildError, BuildOptions, Builder, Plan};
 use crate::geometry::Aabb;
 pub(crate) use collapse::{Bytes, Totals, collapse_subtree};
-pub(crate) use fit::fit;
+pub(crate) use fit::{fit, search_weight};
 pub use options::{CountedLeaves, HoistAlgorithm, Hoisting, OccupancyBase, WhenLeafRemains};
 
 /// Hoists where the options ask for it.

@@ -2,7 +2,7 @@
 
 use super::statistics::TreeStatistics;
 use super::{Encoded, LaneNodes, MemoryReport, Nodes, dense, plain, walk, with_nodes};
-use crate::build::{BuildError, BuildOptions, Builder, Layout, Plan, Progress};
+use crate::build::{Bound, BuildError, BuildOptions, Builder, Layout, Plan, Progress};
 use crate::geometry::{Aabb, Ray, TriangleMesh};
 use crate::reduce::{fit, hoist, prune};
 use crate::traverse::{
@@ -80,29 +80,32 @@ impl KdTree {
     ) -> Result<Self, BuildError> {
         let (triangles, bounds) = mesh.valid_triangles();
         let degenerate = (mesh.len() - triangles.len()) as u64;
-        let builder = Builder::new(&mesh, options, progress)?;
+        let (layout, budget) = (options.layout, options.max_tree.map(|most| most.bytes(mesh.len())));
+        let encode = |plan: &Plan| encode(plan, &bounds, mesh.len(), layout);
+        let encoded = |plan: &Plan| Ok(encode(plan)?.bytes());
+        let bound = budget.map(|bytes| Bound { bytes, encoded: &encoded });
+        let builder = Builder::new(&mesh, options, progress)?.within(bound);
         let plan = builder.build(&triangles, bounds, 1.0)?;
         drop(triangles);
         let plan = hoist(plan, bounds, &builder, options)?;
-        let budget = options.max_tree;
-        let mut options = BuildOptions { threads: None, max_tree: None, ..options.clone() };
-        let encode = |plan: &Plan| encode(plan, &bounds, mesh.len(), options.layout);
-        let encoded = match budget.map(|most| most.bytes(mesh.len())) {
-            None => encode(&prune(plan, bounds, &options))?,
+        let mut tree_options = BuildOptions { threads: None, max_tree: None, ..options.clone() };
+        let encoded = match budget {
+            None => encode(&prune(plan, bounds, options))?,
             Some(most) => {
                 let sized = |plan: &Plan| {
                     let encoded = encode(plan)?;
                     let bytes = encoded.bytes();
                     Ok((encoded, bytes))
                 };
-                let (encoded, weight) = fit(&plan, bounds, &builder, &options, most, sized)?;
-                options.collapse = true;
-                options.byte_weight = weight;
+                let (encoded, weight) = fit(&plan, bounds, &builder, options, most, sized)?;
+                tree_options.collapse = true;
+                tree_options.byte_weight = weight;
                 encoded
             }
         };
         drop(builder);
         let instruction_set = InstructionSet::best();
+        let options = tree_options;
         let mut tree = Self { mesh, options, bounds, encoded, depth: 0, degenerate, instruction_set };
         tree.depth = walk::max_depth(&tree);
         progress.finish();

@@ -1,0 +1,201 @@
+//! What a byte costs, λ = ℓ · SAH cost / bytes of the tree before it is collapsed, estimated before that tree is there: from a
+//! sample of its subtrees, built in full. Where a bound on the bytes is given, the same sample tells the ℓ that keeps to it.
+//!
+//! Source: Horvitz & Thompson 1952 for sums over what was sampled with unequal chances. `docs/construction.md` says how far the
+//! estimates are off.
+
+use super::BuildError;
+use super::fork::{Task, Top};
+use super::plan::Plan;
+use super::recursion::{Builder, PriceOfBytes};
+use crate::geometry::Aabb;
+use crate::reduce::{Bytes, Totals, search_weight};
+use rayon::prelude::*;
+
+/// Subtrees that are built in full to estimate λ, at most; all when there are fewer than twice as many.
+const SAMPLE: usize = 64;
+/// The most that the estimate may be, in bounds: a tree too large is pruned once it stands, one too small is not built again.
+const AIM: f64 = 1.02;
+
+/// A bound on the finished tree's bytes.
+#[derive(Clone, Copy)]
+pub(crate) struct Bound<'a> {
+    pub(crate) bytes: u64,
+    /// Bytes that a plan takes once it is encoded.
+    pub(crate) encoded: &'a (dyn Fn(&Plan) -> Result<u64, BuildError> + Sync),
+}
+
+/// A subtree that was built before λ was known.
+pub(super) struct Full {
+    pub(super) number: usize,
+    pub(super) plan: Plan,
+    totals: Totals,
+}
+
+/// What is known of a subtree before it is built.
+pub(super) struct Size {
+    pub(super) voxel: Aabb,
+    /// Triangles; its bytes grow with them.
+    count: f64,
+    /// Grows as its SAH cost times its area relative to the root's: the cost itself as the square root of the triangles.
+    cost: f64,
+    /// Its share of all triangles and its share of all expected cost, added: 2 over all subtrees. A chance in proportion to
+    /// one of them alone would let single subtrees decide the sum of the other.
+    share: f64,
+}
+
+impl Size {
+    /// Of all tasks.
+    pub(super) fn of(tasks: &[Option<Task>], root_area: f64) -> Vec<Self> {
+        let size = |task: &Task| {
+            let count = task.count() as f64;
+            let area = if root_area > 0.0 { task.voxel.surface_area() / root_area } else { 0.0 };
+            Self { voxel: task.voxel, count, cost: area * count.sqrt(), share: 0.0 }
+        };
+        let mut sizes: Vec<Self> = tasks.iter().flatten().map(size).collect();
+        let all = |of: fn(&Self) -> f64| sizes.iter().map(of).sum::<f64>().max(f64::MIN_POSITIVE);
+        let (count, cost) = (all(|size| size.count), all(|size| size.cost));
+        sizes.iter_mut().for_each(|size| size.share = size.count / count + size.cost / cost);
+        sizes
+    }
+}
+
+/// The sample, and what it stands for.
+pub(super) struct Sample<'a> {
+    pub(super) full: Vec<Full>,
+    pub(super) sizes: &'a [Size],
+    pub(super) top: &'a Top,
+    pub(super) root_area: f64,
+}
+
+impl Builder<'_> {
+    /// Builds a sample of the subtrees in full, larger ones more often.
+    pub(super) fn sample(
+        &self,
+        tasks: &mut [Option<Task>],
+        sizes: &[Size],
+        root_area: f64,
+    ) -> Result<Vec<Full>, BuildError> {
+        let chosen = chosen(sizes);
+        let taken: Vec<_> =
+            chosen.iter().filter_map(|&number| Some((number, tasks[number].take()?))).collect();
+        taken
+            .into_par_iter()
+            .with_max_len(1)
+            .map(|(number, task)| {
+                let voxel = task.voxel;
+                let plan = self.subtree(task, None)?;
+                let (totals, plan) =
+                    Totals::of_subtree(plan, &voxel, root_area, &self.options.sah, self.options.layout);
+                Ok(Full { number, plan, totals })
+            })
+            .collect()
+    }
+
+    /// SAH cost of the whole tree over its bytes.
+    pub(super) fn cost_of_a_byte(&self, sample: &Sample<'_>) -> f64 {
+        let Sample { full, sizes, top, root_area } = sample;
+        let (mut cost, mut bytes) = (Ratio::default(), Ratio::default());
+        let step = step(sizes);
+        for Full { number, totals, .. } in full {
+            let size = &sizes[*number];
+            cost.add(size.stands_for(step), totals.cost, size.cost);
+            bytes.add(size.stands_for(step), totals.bytes, size.count);
+        }
+        let (nodes, area) = top.sums();
+        let top_area = if *root_area > 0.0 { area / root_area } else { 0.0 };
+        let cost =
+            f64::from(self.options.sah.traversal) * top_area + cost.total(sizes.iter().map(|size| size.cost));
+        let bytes = Bytes::of(self.options.layout).node * nodes as f64
+            + bytes.total(sizes.iter().map(|size| size.count));
+        if bytes > 0.0 { cost / bytes } else { 0.0 }
+    }
+
+    /// The ℓ at which the tree should be about as large as its bound; the options' own where that one is enough, or where
+    /// no ℓ is.
+    pub(super) fn weight_within(
+        &self,
+        sample: &Sample<'_>,
+        cost_of_a_byte: f64,
+        bound: &Bound<'_>,
+    ) -> Result<f32, BuildError> {
+        let Sample { full, sizes, top, root_area } = sample;
+        let step = step(sizes);
+        let top = Bytes::of(self.options.layout).node * top.sums().0 as f64;
+        let at = |weight: f32| {
+            let price = PriceOfBytes { lambda: f64::from(weight) * cost_of_a_byte, root_area: *root_area };
+            let encoded = full
+                .par_iter()
+                .with_max_len(1)
+                .map(|Full { number, plan, .. }| {
+                    self.check()?;
+                    (bound.encoded)(&self.collapsed(plan.clone(), &sizes[*number].voxel, price))
+                })
+                .collect::<Result<Vec<u64>, BuildError>>()?;
+            let mut bytes = Ratio::default();
+            for (Full { number, .. }, encoded) in full.iter().zip(encoded) {
+                let size = &sizes[*number];
+                bytes.add(size.stands_for(step), encoded as f64, size.count);
+            }
+            Ok(((), (top + bytes.total(sizes.iter().map(|size| size.count))) as u64))
+        };
+        let own = self.options.byte_weight;
+        match search_weight(own, None, (AIM * bound.bytes as f64) as u64, at) {
+            Ok(((), weight)) => Ok(weight),
+            Err(BuildError::TreeTooLarge { .. }) => Ok(own),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+/// A sum over a sample, and one of something that is known of the whole and grows with it.
+#[derive(Default)]
+struct Ratio {
+    sought: f64,
+    known: f64,
+}
+
+impl Ratio {
+    fn add(&mut self, stands_for: f64, sought: f64, known: f64) {
+        self.sought += stands_for * sought;
+        self.known += stands_for * known;
+    }
+
+    /// The sought sum over the whole.
+    fn total(&self, known: impl Iterator<Item = f64>) -> f64 {
+        if self.known > 0.0 { self.sought * known.sum::<f64>() / self.known } else { 0.0 }
+    }
+}
+
+impl Size {
+    /// How many subtrees this one stands for, if it is chosen: it had a chance of one in so many.
+    fn stands_for(&self, step: f64) -> f64 {
+        if self.share < step { step / self.share } else { 1.0 }
+    }
+}
+
+/// One subtree is chosen in each such step of shares; 0 where all are.
+fn step(sizes: &[Size]) -> f64 {
+    if sizes.len() < 2 * SAMPLE {
+        return 0.0;
+    }
+    sizes.iter().map(|size| size.share).sum::<f64>() / SAMPLE as f64
+}
+
+/// Numbers of the subtrees in the sample, ascending: systematic, with chances in proportion to their shares.
+fn chosen(sizes: &[Size]) -> Vec<usize> {
+    let step = step(sizes);
+    if step == 0.0 {
+        return (0..sizes.len()).collect();
+    }
+    let (mut before, mut next) = (0.0, 0.5 * step);
+    let mut out = Vec::with_capacity(SAMPLE);
+    for (number, size) in sizes.iter().enumerate() {
+        before += size.share;
+        if before > next {
+            out.push(number);
+            next += step * ((before - next) / step).ceil();
+        }
+    }
+    out
+}
