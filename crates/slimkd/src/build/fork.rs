@@ -14,9 +14,11 @@ use rayon::prelude::*;
 
 /// Below this many triangles a node is built by one thread: splitting finer costs more than it gains, on large scenes.
 const SEQUENTIAL_BELOW: usize = 4096;
-/// Smaller scenes are cut into about so many subtrees, so that a sample of them is a small part of the whole.
+/// Where a sample of the subtrees is built first, smaller scenes are cut into about so many, so that it is a small part of them.
 const SUBTREES: usize = 512;
-/// But no subtree is cut below so many triangles.
+/// But scenes below so many triangles are not: all their subtrees are built first.
+const LEAST_SAMPLED: usize = 1 << 15;
+/// And no subtree is cut below so many triangles.
 const LEAST_SUBTREE: usize = 256;
 /// Fork and join at most this deep, so that a scene that cuts off triangles one by one cannot use up the stack.
 const PARALLEL_DEPTH: u32 = 24;
@@ -130,7 +132,12 @@ impl Builder<'_> {
             .collect::<Result<_, BuildError>>()?;
         let below = (1.0 - TOP_SHARE) * weight;
         let mut tasks = Vec::new();
-        let sequential_below = (triangles.len() / SUBTREES).clamp(LEAST_SUBTREE, SEQUENTIAL_BELOW);
+        let sequential_below = if self.options.collapses_while_building() && triangles.len() >= LEAST_SAMPLED
+        {
+            (triangles.len() / SUBTREES).clamp(LEAST_SUBTREE, SEQUENTIAL_BELOW)
+        } else {
+            SEQUENTIAL_BELOW
+        };
         let root = Task { pieces, voxel, weight: below };
         let top = self.fork(root, 0, sequential_below)?.numbered(&mut tasks);
         self.progress.advance(weight - below);
