@@ -1,6 +1,8 @@
 //! How a tree is built: the preset, and whatever is set in place of its own choices.
 
-use super::parse::{TreeSize, clipping, fraction, layout, not_negative, positive, threads, tree_budget};
+use super::parse::{
+    TreeSize, bytes, clipping, fraction, layout, not_negative, positive, threads, tree_budget,
+};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset};
@@ -17,6 +19,10 @@ pub(crate) struct TreeArgs {
     /// Threads to work with; all cores unless given. Results do not depend on it
     #[arg(long, value_name = "N", value_parser = threads)]
     pub(crate) threads: Option<NonZeroUsize>,
+    /// The most memory that building may take above the mesh: bytes, with a unit such as MiB or GB. What would take more ends
+    /// with an error before
+    #[arg(long, value_name = "SIZE", value_parser = bytes)]
+    max_build_bytes: Option<u64>,
 }
 
 /// What replaces the preset's own choices.
@@ -97,7 +103,9 @@ impl TreeArgs {
 
     /// The library's options.
     pub(crate) fn options(&self) -> BuildOptions {
-        self.tuning.options(self.preset.unwrap_or_default(), self.threads)
+        let mut options = self.tuning.options(self.preset.unwrap_or_default(), self.threads);
+        options.max_build_bytes = self.max_build_bytes;
+        options
     }
 }
 
@@ -236,6 +244,7 @@ mod tests {
         assert_eq!(standard("--layout dense").layout, Layout::Dense);
         assert_eq!(standard("--max-tree-bytes 1.5MiB").max_tree, Some(TreeBudget::Bytes(3 << 19)));
         assert_eq!(options("--preset slim --max-tree-bytes none").unwrap().max_tree, None);
+        assert_eq!(standard("--max-build-bytes 2GB").max_build_bytes, Some(2_000_000_000));
         assert_eq!(standard("--max-tree-bytes 6/tri").max_tree, Some(TreeBudget::BytesPerTriangle(6.0)));
         assert_eq!(standard("--clipping box").clipping, Clipping::Box);
         assert_eq!(standard("--clipping exact").clipping, Clipping::Exact);
@@ -253,6 +262,7 @@ mod tests {
             "--leaf-at-most -1",
             "--layout small",
             "--max-tree-bytes 0",
+            "--max-build-bytes none",
             "--max-tree-bytes 5MiBs",
             "--max-tree-bytes -1/tri",
             "--clipping tight",

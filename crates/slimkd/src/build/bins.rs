@@ -10,7 +10,9 @@
 //! 2. The bounds hold in floating point too: they evaluate the same expression on operands that are no larger (or no
 //!    smaller), and rounding is monotonic.
 
+use super::BuildError;
 use super::fragment::Fragment;
+use super::memory::{push, room};
 use super::sah::{AxisSah, VoxelSah};
 use super::sweep::{Event, Split, best_of, cheaper};
 use crate::geometry::Aabb;
@@ -181,12 +183,14 @@ impl Candidates {
         (self.starts_on_face, self.ends_on_face) = ([0; 3], [0; 3]);
     }
 
-    pub(crate) fn append(&mut self, mut other: Self) {
+    pub(crate) fn append(&mut self, mut other: Self) -> Result<(), BuildError> {
         for axis in 0..3 {
+            room(&mut self.events[axis], other.events[axis].len())?;
             self.events[axis].append(&mut other.events[axis]);
             self.starts_on_face[axis] += other.starts_on_face[axis];
             self.ends_on_face[axis] += other.ends_on_face[axis];
         }
+        Ok(())
     }
 }
 
@@ -267,7 +271,12 @@ impl Search {
     }
 
     /// Adds what lies in the open bins.
-    pub(crate) fn gather(&self, fragments: &[Fragment], voxel: &Aabb, out: &mut Candidates) {
+    pub(crate) fn gather(
+        &self,
+        fragments: &[Fragment],
+        voxel: &Aabb,
+        out: &mut Candidates,
+    ) -> Result<(), BuildError> {
         for axis in 0..3 {
             let Some(open) = &self.open_ranges[axis] else { continue };
             let (least, most) = (voxel.min[axis], voxel.max[axis]);
@@ -280,15 +289,16 @@ impl Search {
                         out.starts_on_face[axis] += 1;
                         out.ends_on_face[axis] += i32::from(high <= least);
                     } else if low < most {
-                        events.push(Event::low(low, high));
+                        push(events, Event::low(low, high))?;
                     }
                 }
                 if open.contains(&high) && bins.open[self.binner.on(axis, high)] && low < high && high < most
                 {
-                    events.push(Event::high(high));
+                    push(events, Event::high(high))?;
                 }
             }
         }
+        Ok(())
     }
 
     /// Sweeps the candidates.

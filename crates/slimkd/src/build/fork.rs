@@ -5,6 +5,7 @@
 
 use super::BuildError;
 use super::fragment::Fragment;
+use super::memory::{copied, stretch, with_room};
 use super::partition::Partition;
 use super::plan::{Plan, PlanNode};
 use super::recursion::{Builder, TOP_SHARE};
@@ -38,13 +39,19 @@ impl Task {
         self.pieces.iter().map(Vec::len).sum()
     }
 
-    pub(super) fn into_one(self) -> Vec<Fragment> {
+    /// Bytes that it holds.
+    pub(super) fn bytes(&self) -> usize {
+        self.pieces.iter().map(Vec::capacity).sum::<usize>() * size_of::<Fragment>()
+    }
+
+    pub(super) fn into_one(self) -> Result<Vec<Fragment>, BuildError> {
         let count = self.count();
         let mut pieces = self.pieces.into_iter();
         let mut all = pieces.next().unwrap_or_default();
-        all.reserve_exact(count - all.len());
+        all.try_reserve_exact(count - all.len())
+            .map_err(|_| BuildError::OutOfMemory { bytes: (count * size_of::<Fragment>()) as u64 })?;
         pieces.for_each(|piece| all.extend_from_slice(&piece));
-        all
+        Ok(all)
     }
 }
 
@@ -89,22 +96,6 @@ impl Forked {
 }
 
 impl Top {
-    /// Appends this tree to `plan`; subtrees are freed as soon as they are copied.
-    fn append(&self, subtrees: &mut [Plan], counts: bool, plan: &mut Plan) {
-        match self {
-            Self::Subtree(number) => plan.append(&std::mem::take(&mut subtrees[*number])),
-            Self::Inner(node) => {
-                let at = plan.nodes.len();
-                plan.nodes.push(PlanNode::Inner { axis: node.axis, split: node.split, right: 0 });
-                plan.counts.extend(counts.then_some(node.count));
-                node.left.append(subtrees, counts, plan);
-                plan.nodes[at] =
-                    PlanNode::Inner { axis: node.axis, split: node.split, right: plan.nodes.len() as u32 };
-                node.right.append(subtrees, counts, plan);
-            }
-        }
-    }
-
     /// Number and summed surface area of the nodes above the subtrees.
     pub(super) fn sums(&self) -> (usize, f64) {
         match self {
@@ -123,11 +114,15 @@ impl Builder<'_> {
     ///
     /// [`BuildOptions::collapses_while_building`]: super::BuildOptions::collapses_while_building
     pub(crate) fn build(&self, triangles: &[u32], voxel: Aabb, weight: f64) -> Result<Plan, BuildError> {
+        let ids = size_of_val(triangles);
+        self.memory.take(ids + triangles.len() * size_of::<Fragment>())?;
         let pieces = triangles
             .par_chunks(PIECE)
             .map(|ids| {
                 self.check()?;
-                Ok(ids.iter().map(|&id| Fragment::whole(self.mesh, id)).collect())
+                let mut piece = with_room(ids.len())?;
+                piece.extend(ids.iter().map(|&id| Fragment::whole(self.mesh, id)));
+                Ok(piece)
             })
             .collect::<Result<_, BuildError>>()?;
         let below = (1.0 - TOP_SHARE) * weight;
@@ -143,20 +138,44 @@ impl Builder<'_> {
         self.progress.advance(weight - below);
         let (mut subtrees, collapsed) = self.subtrees(tasks, &top, voxel.surface_area())?;
         self.drop_scratch();
+        self.memory.give(ids);
         if subtrees.len() == 1 {
             return Ok(Plan { collapsed, ..std::mem::take(&mut subtrees[0]) });
         }
         let (inner, _) = top.sums();
         let total = |of: fn(&Plan) -> usize| subtrees.iter().map(of).sum::<usize>();
+        let parts = total(Plan::bytes);
+        self.memory.take(parts + inner * size_of::<PlanNode>())?;
         let mut plan = Plan {
-            nodes: Vec::with_capacity(total(|plan| plan.nodes.len()) + inner),
-            references: Vec::with_capacity(total(|plan| plan.references.len())),
-            counts: Vec::with_capacity(total(|plan| plan.counts.len())),
-            hoisted: Vec::new(),
+            nodes: with_room(total(|plan| plan.nodes.len()) + inner)?,
+            references: with_room(total(|plan| plan.references.len()))?,
+            counts: with_room(total(|plan| plan.counts.len()) + inner)?,
+            hoisted: with_room(total(|plan| plan.hoisted.len()))?,
             collapsed,
         };
-        top.append(&mut subtrees, self.options.needs_counts(), &mut plan);
+        self.append(&top, &mut subtrees, &mut plan)?;
+        self.memory.give(parts);
         Ok(plan)
+    }
+
+    /// Appends a tree to `plan`, which has room; subtrees are freed as soon as they are copied.
+    fn append(&self, top: &Top, subtrees: &mut [Plan], plan: &mut Plan) -> Result<(), BuildError> {
+        match top {
+            Top::Subtree(number) => {
+                self.check()?;
+                plan.append(&std::mem::take(&mut subtrees[*number]));
+            }
+            Top::Inner(node) => {
+                let at = plan.nodes.len();
+                plan.nodes.push(PlanNode::Inner { axis: node.axis, split: node.split, right: 0 });
+                plan.counts.extend(self.options.needs_counts().then_some(node.count));
+                self.append(&node.left, subtrees, plan)?;
+                plan.nodes[at] =
+                    PlanNode::Inner { axis: node.axis, split: node.split, right: plan.nodes.len() as u32 };
+                self.append(&node.right, subtrees, plan)?;
+            }
+        }
+        Ok(())
     }
 
     fn fork(&self, task: Task, depth: u32, sequential_below: usize) -> Result<Forked, BuildError> {
@@ -168,8 +187,8 @@ impl Builder<'_> {
         self.check()?;
         let mut scratch = self.take_scratch();
         let split = match &task.pieces[..] {
-            [piece] => scratch.best_split(piece, &task.voxel, self.options, 0.0),
-            pieces => scratch.best_split_parallel(pieces, count, &task.voxel, self.options),
+            [piece] => scratch.best_split(piece, &task.voxel, self.options, 0.0)?,
+            pieces => scratch.best_split_parallel(pieces, count, &task.voxel, self.options, self.progress)?,
         };
         self.give_scratch(scratch);
         let Some(split) = split else { return Ok(Forked::Task(task)) };
@@ -210,33 +229,34 @@ impl Builder<'_> {
                 self.check()?;
                 let mut scratch = self.take_scratch();
                 let Scratch { left, straddlers, .. } = &mut *scratch;
-                if left.len() < piece.len() {
-                    left.resize(piece.len(), Fragment::default());
-                }
-                let (lefts, rights) = partition.run(&mut piece, left, straddlers);
-                let left = left[..lefts].to_vec();
+                stretch(left, piece.len())?;
+                let (lefts, rights) = partition.run(&mut piece, left, straddlers)?;
+                self.memory.take(lefts * size_of::<Fragment>())?;
+                let left = copied(&left[..lefts])?;
                 self.give_scratch(scratch);
+                self.memory.give((piece.capacity() - rights) * size_of::<Fragment>());
                 piece.truncate(rights);
                 piece.shrink_to_fit();
                 Ok((left, piece))
             })
             .collect::<Result<Vec<_>, BuildError>>()?;
         let (left, right): (Vec<_>, Vec<_>) = halves.into_iter().unzip();
-        Ok((joined(left), joined(right)))
+        Ok((joined(left)?, joined(right)?))
     }
 }
 
 /// The same rope with neighbours joined while they fit one piece.
-fn joined(pieces: Vec<Vec<Fragment>>) -> Vec<Vec<Fragment>> {
+fn joined(pieces: Vec<Vec<Fragment>>) -> Result<Vec<Vec<Fragment>>, BuildError> {
     let mut out: Vec<Vec<Fragment>> = Vec::with_capacity(pieces.len());
     for piece in pieces {
         match out.last_mut() {
             Some(last) if last.len() + piece.len() <= PIECE => {
-                last.reserve_exact(piece.len());
+                let bytes = ((last.len() + piece.len()) * size_of::<Fragment>()) as u64;
+                last.try_reserve_exact(piece.len()).map_err(|_| BuildError::OutOfMemory { bytes })?;
                 last.extend_from_slice(&piece);
             }
             _ => out.push(piece),
         }
     }
-    out
+    Ok(out)
 }

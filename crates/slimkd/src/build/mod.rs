@@ -4,6 +4,7 @@ mod bins;
 mod clip;
 mod fork;
 mod fragment;
+pub(crate) mod memory;
 mod options;
 mod pairs;
 mod partition;

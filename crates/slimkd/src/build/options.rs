@@ -140,6 +140,9 @@ pub struct BuildOptions {
     /// the weight is raised until it fits: the fastest tree of that size, from one build. The tree's own options then
     /// hold that weight.
     pub max_tree: Option<TreeBudget>,
+    /// The most that a build may hold at a time, bytes above the mesh: what would take more ends with
+    /// [`BuildError::BuildTooLarge`] before the memory is taken. `None` sets no bound. The account leaves out some MB of buffers.
+    pub max_build_bytes: Option<u64>,
     /// Threads to build with; `None` uses the current rayon pool. The tree is the same at any count.
     pub threads: Option<NonZeroUsize>,
 }
@@ -157,6 +160,7 @@ impl From<Preset> for BuildOptions {
             collapse: false,
             byte_weight: 0.0,
             max_tree: None,
+            max_build_bytes: None,
             threads: None,
         };
         // Chosen on Kitchen, Sponza and hospital_structure, see docs/presets.md; a wider check is still to be made.
@@ -258,6 +262,23 @@ pub enum BuildError {
         needed: u64,
         /// Bytes that were allowed.
         limit: u64,
+    },
+    /// The build would hold more than [`BuildOptions::max_build_bytes`]: allow more, or use a smaller preset, which also takes
+    /// less memory to build.
+    #[error(
+        "the build needs {needed} bytes or more, {limit} are allowed; allow more, or use the preset slim or tiny"
+    )]
+    BuildTooLarge {
+        /// Bytes that it would have held, as far as it had come.
+        needed: u64,
+        /// Bytes that were allowed.
+        limit: u64,
+    },
+    /// There was no memory for a block of the build: free some, or use a smaller preset, which also takes less to build.
+    #[error("no memory for a block of {bytes} bytes; free some, or use the preset slim or tiny")]
+    OutOfMemory {
+        /// Bytes of the block.
+        bytes: u64,
     },
     /// The operating system gave no threads: ask for fewer.
     #[error("cannot start the build's threads ({0}); ask for fewer")]

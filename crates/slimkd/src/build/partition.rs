@@ -3,8 +3,10 @@
 //! Source: Wald & Havran 2006 §4.3: `end ≤ plane` is left and `start ≥ plane` is right, so triangles that only touch the
 //! plane are not doubled.
 
+use super::BuildError;
 use super::clip::Clipper;
 use super::fragment::{Fragment, triangle_bounds};
+use super::memory::stretch;
 use super::sweep::Split;
 use crate::geometry::{Aabb, TriangleMesh};
 
@@ -53,10 +55,8 @@ impl Partition<'_> {
         fragments: &mut [Fragment],
         left: &mut [Fragment],
         straddlers: &mut Vec<Fragment>,
-    ) -> (usize, usize) {
-        if straddlers.len() < fragments.len() {
-            straddlers.resize(fragments.len(), Fragment::default());
-        }
+    ) -> Result<(usize, usize), BuildError> {
+        stretch(straddlers, fragments.len())?;
         let (mut lefts, mut rights, boths) = self.sort(fragments, left, straddlers);
         let Self { split: Split { axis, position, .. }, voxel, mesh, exact } = *self;
         let (left_voxel, right_voxel) = voxel.split(axis, position);
@@ -78,6 +78,6 @@ impl Partition<'_> {
                 rights += 1;
             }
         }
-        (lefts, rights)
+        Ok((lefts, rights))
     }
 }

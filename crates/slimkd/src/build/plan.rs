@@ -3,6 +3,9 @@
 //! `right` and `first` count from the node array's and the reference array's start, so a subtree that was built on
 //! its own is appended by shifting them.
 
+use super::BuildError;
+use super::memory::copied;
+
 /// One node of a [`Plan`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum PlanNode {
@@ -35,6 +38,24 @@ pub(crate) struct Collapsed {
 }
 
 impl Plan {
+    /// Bytes that it holds.
+    pub(crate) fn bytes(&self) -> usize {
+        self.nodes.capacity() * size_of::<PlanNode>()
+            + (self.references.capacity() + self.counts.capacity()) * size_of::<u32>()
+            + self.hoisted.capacity() * size_of::<(u32, u32)>()
+    }
+
+    /// A copy, or no memory for it.
+    pub(crate) fn copied(&self) -> Result<Self, BuildError> {
+        Ok(Self {
+            nodes: copied(&self.nodes)?,
+            references: copied(&self.references)?,
+            counts: copied(&self.counts)?,
+            hoisted: copied(&self.hoisted)?,
+            collapsed: self.collapsed,
+        })
+    }
+
     /// Appends a subtree that was built on its own.
     pub(crate) fn append(&mut self, subtree: &Plan) {
         let (nodes, references) = (self.nodes.len() as u32, self.references.len() as u32);

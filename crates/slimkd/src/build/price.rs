@@ -85,8 +85,14 @@ impl Builder<'_> {
             .map(|(number, task)| {
                 let voxel = task.voxel;
                 let plan = self.subtree(task, None)?;
-                let (totals, plan) =
-                    Totals::of_subtree(plan, &voxel, root_area, &self.options.sah, self.options.layout);
+                let (totals, plan) = Totals::of_subtree(
+                    plan,
+                    &voxel,
+                    root_area,
+                    &self.options.sah,
+                    self.options.layout,
+                    self,
+                )?;
                 Ok(Full { number, plan, totals })
             })
             .collect()
@@ -129,7 +135,12 @@ impl Builder<'_> {
                 .with_max_len(1)
                 .map(|Full { number, plan, .. }| {
                     self.check()?;
-                    (bound.encoded)(&self.collapsed(plan.clone(), &sizes[*number].voxel, price))
+                    let copy = plan.copied()?;
+                    self.memory.take(copy.bytes())?;
+                    let pruned = self.collapsed(copy, &sizes[*number].voxel, price)?;
+                    let bytes = (bound.encoded)(&pruned);
+                    self.memory.give(pruned.bytes());
+                    bytes
                 })
                 .collect::<Result<Vec<u64>, BuildError>>()?;
             let mut bytes = Ratio::default();

@@ -53,6 +53,12 @@ impl Progress {
         self.done.fetch_max(ONE as u64, Relaxed);
     }
 
+    /// [`Progress::check`] now and then: for loops over a whole tree, which call it with their index.
+    #[inline]
+    pub(crate) fn check_at(&self, index: usize) -> Result<(), BuildError> {
+        if index.is_multiple_of(1 << 16) { self.check() } else { Ok(()) }
+    }
+
     /// An error once the build was cancelled.
     pub(crate) fn check(&self) -> Result<(), BuildError> {
         if self.is_cancelled() { Err(BuildError::Cancelled) } else { Ok(()) }

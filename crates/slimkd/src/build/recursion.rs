@@ -10,6 +10,7 @@
 //! 4. Every decision depends on the node's contents alone, so thread count and scheduling leave no trace in the tree.
 
 use super::fragment::{Fragment, TRIANGLE_LIMIT};
+use super::memory::{Memory, push, room, stretch};
 use super::partition::Partition;
 use super::plan::{Plan, PlanNode};
 use super::predict::Predictor;
@@ -31,6 +32,7 @@ pub(crate) struct Builder<'a> {
     pub(super) progress: &'a Progress,
     /// What the finished tree must keep to, if anything.
     pub(super) bound: Option<Bound<'a>>,
+    pub(crate) memory: Memory,
     scratch: Mutex<Vec<Box<Scratch>>>,
 }
 
@@ -71,7 +73,14 @@ impl<'a> Builder<'a> {
         if needed > limit {
             return Err(BuildError::TooLarge { what: "triangles", needed, limit });
         }
-        Ok(Self { mesh, options, progress, bound: None, scratch: Mutex::new(Vec::new()) })
+        Ok(Self {
+            mesh,
+            options,
+            progress,
+            bound: None,
+            memory: Memory::new(options.max_build_bytes),
+            scratch: Mutex::new(Vec::new()),
+        })
     }
 
     /// For a tree that keeps to a bound.
@@ -82,6 +91,20 @@ impl<'a> Builder<'a> {
     /// An error once the build was cancelled.
     pub(crate) fn check(&self) -> Result<(), BuildError> {
         self.progress.check()
+    }
+
+    /// The same now and then: for loops over a whole tree, which call it with their index.
+    #[inline]
+    pub(crate) fn check_at(&self, index: usize) -> Result<(), BuildError> {
+        self.progress.check_at(index)
+    }
+
+    pub(crate) fn mesh(&self) -> &TriangleMesh {
+        self.mesh
+    }
+
+    pub(crate) fn options(&self) -> &BuildOptions {
+        self.options
     }
 
     pub(super) fn take_scratch(&self) -> Box<Scratch> {
@@ -137,7 +160,7 @@ impl<'a> Builder<'a> {
         while let Some(Pending { mut range, voxel, weight, parent }) = pending.pop() {
             let at = plan.nodes.len();
             if needs_counts {
-                plan.counts.push(range.len() as u32);
+                push(&mut plan.counts, range.len() as u32)?;
             }
             if let Some(PlanNode::Inner { right, .. }) = parent.map(|parent| &mut plan.nodes[parent]) {
                 *right = at as u32;
@@ -151,8 +174,8 @@ impl<'a> Builder<'a> {
             }
             let margin = bytes.map_or(0.0, |bytes| bytes.margin(&voxel, self.options.layout));
             let node = &fragments[range.clone()];
-            let Some(split) = scratch.best_split(node, &voxel, self.options, margin) else {
-                emit_leaf(&mut plan, &fragments[range], hoisted);
+            let Some(split) = scratch.best_split(node, &voxel, self.options, margin)? else {
+                emit_leaf(&mut plan, &fragments[range], hoisted)?;
                 done += weight;
                 if done > 1e-3 {
                     self.progress.advance(done);
@@ -163,16 +186,17 @@ impl<'a> Builder<'a> {
             };
             let exact = self.options.clipping.is_exact_for(range.len() as u32);
             let (start, end) = (range.start, range.end);
-            if fragments.len() < end + range.len() {
-                fragments.resize(end + range.len(), Fragment::default());
-            }
+            stretch(&mut fragments, end + range.len())?;
             let (here, behind) = fragments.split_at_mut(end);
             let (lefts, rights) = Partition { split, voxel, mesh: self.mesh, exact }.run(
                 &mut here[start..],
                 behind,
                 &mut scratch.straddlers,
-            );
-            plan.hoisted.extend(hoisted.map(|triangle| (at as u32, triangle)));
+            )?;
+            if let Some(triangle) = hoisted {
+                push(&mut plan.hoisted, (at as u32, triangle))?;
+            }
+            room(&mut plan.nodes, 1)?;
             plan.nodes.push(PlanNode::Inner { axis: split.axis as u8, split: split.position, right: 0 });
             let (left_voxel, right_voxel) = voxel.split(split.axis, split.position);
             let left_weight = weight * lefts as f64 / ((lefts + rights).max(1)) as f64;
@@ -199,10 +223,12 @@ impl<'a> Builder<'a> {
 
 /// Appends a leaf of a node's triangles, and of the one that was to be hoisted: where nothing is left to split, it comes
 /// back.
-fn emit_leaf(plan: &mut Plan, fragments: &[Fragment], hoisted: Option<u32>) {
+fn emit_leaf(plan: &mut Plan, fragments: &[Fragment], hoisted: Option<u32>) -> Result<(), BuildError> {
     let first = plan.references.len();
+    room(&mut plan.references, fragments.len() + 1)?;
     plan.references.extend(fragments.iter().map(Fragment::triangle));
     plan.references.extend(hoisted);
     plan.references[first..].sort_unstable();
-    plan.nodes.push(PlanNode::Leaf { first: first as u32, count: (plan.references.len() - first) as u32 });
+    let leaf = PlanNode::Leaf { first: first as u32, count: (plan.references.len() - first) as u32 };
+    push(&mut plan.nodes, leaf)
 }

@@ -1,11 +1,11 @@
 //! The best split of a node, whatever its size.
 
-use super::BuildOptions;
 use super::bins::{Candidates, Search};
 use super::fragment::Fragment;
 use super::pairs;
 use super::sah::VoxelSah;
 use super::sweep::Split;
+use super::{BuildError, BuildOptions, Progress};
 use crate::geometry::Aabb;
 use rayon::prelude::*;
 
@@ -26,28 +26,33 @@ impl Scratch {
         voxel: &Aabb,
         options: &BuildOptions,
         margin: f64,
-    ) -> Option<Split> {
+    ) -> Result<Option<Split>, BuildError> {
         let count = fragments.len();
         if count <= options.leaf_at_most as usize {
-            return None;
+            return Ok(None);
         }
         let sah = VoxelSah::new(&options.sah, voxel);
         let best = if count <= pairs::MOST {
             pairs::best_split(fragments, voxel, &sah)
         } else {
-            self.by_bins(fragments, voxel, &sah)
+            self.by_bins(fragments, voxel, &sah)?
         };
-        best.filter(|split| split.cost + margin < sah.leaf(count))
+        Ok(best.filter(|split| split.cost + margin < sah.leaf(count)))
     }
 
-    fn by_bins(&mut self, fragments: &[Fragment], voxel: &Aabb, sah: &VoxelSah) -> Option<Split> {
+    fn by_bins(
+        &mut self,
+        fragments: &[Fragment],
+        voxel: &Aabb,
+        sah: &VoxelSah,
+    ) -> Result<Option<Split>, BuildError> {
         let count = fragments.len();
         let binner = self.search.begin(voxel, count);
         self.search.histogram.count(fragments, &binner);
         self.search.bound(sah, count as i32);
         self.candidates.clear();
-        self.search.gather(fragments, voxel, &mut self.candidates);
-        self.search.sweep(&mut self.candidates, sah, count as i32)
+        self.search.gather(fragments, voxel, &mut self.candidates)?;
+        Ok(self.search.sweep(&mut self.candidates, sah, count as i32))
     }
 
     /// The same for a large node in pieces, by all threads.
@@ -57,36 +62,41 @@ impl Scratch {
         count: usize,
         voxel: &Aabb,
         options: &BuildOptions,
-    ) -> Option<Split> {
+        progress: &Progress,
+    ) -> Result<Option<Split>, BuildError> {
         let sah = VoxelSah::new(&options.sah, voxel);
         let search = &mut self.search;
         let binner = search.begin(voxel, count);
         let histogram = pieces
             .par_iter()
-            .fold(Box::default, |mut histogram: Box<super::bins::Histogram>, piece| {
+            .try_fold(Box::default, |mut histogram: Box<super::bins::Histogram>, piece| {
+                progress.check()?;
                 histogram.count(piece, &binner);
-                histogram
+                Ok(histogram)
             })
-            .reduce_with(|mut a, b| {
+            .try_reduce_with(|mut a, b| {
                 a.add(&b, binner.bins());
-                a
-            });
+                Ok(a)
+            })
+            .transpose()?;
         if let Some(histogram) = histogram {
             search.histogram.add(&histogram, binner.bins());
         }
         search.bound(&sah, count as i32);
         let gathered = pieces
             .par_iter()
-            .fold(Candidates::default, |mut candidates, piece| {
-                search.gather(piece, voxel, &mut candidates);
-                candidates
+            .try_fold(Candidates::default, |mut candidates, piece| {
+                progress.check()?;
+                search.gather(piece, voxel, &mut candidates)?;
+                Ok(candidates)
             })
-            .reduce_with(|mut a, b| {
-                a.append(b);
-                a
-            });
+            .try_reduce_with(|mut a, b| {
+                a.append(b)?;
+                Ok(a)
+            })
+            .transpose()?;
         let best = search.sweep(&mut gathered.unwrap_or_default(), &sah, count as i32);
-        best.filter(|split| split.cost < sah.leaf(count))
+        Ok(best.filter(|split| split.cost < sah.leaf(count)))
     }
 }
 
@@ -150,7 +160,7 @@ mod tests {
             let sah = VoxelSah::new(&constants, &voxel);
             let mut scratch = Scratch::default();
             let expected = exhaustive(&fragments, &voxel, &sah);
-            prop_assert_eq!(scratch.by_bins(&fragments, &voxel, &sah), expected);
+            prop_assert_eq!(scratch.by_bins(&fragments, &voxel, &sah).unwrap(), expected);
             let few = &fragments[..fragments.len().min(pairs::MOST)];
             prop_assert_eq!(pairs::best_split(few, &voxel, &sah), exhaustive(few, &voxel, &sah));
         }

@@ -5,6 +5,7 @@
 
 use super::BuildError;
 use super::fork::{Task, Top};
+use super::memory::filled;
 use super::plan::{Collapsed, Plan};
 use super::price::{Full, Sample, Size};
 use super::recursion::{Builder, PriceOfBytes};
@@ -21,7 +22,7 @@ impl Builder<'_> {
         root_area: f64,
     ) -> Result<(Vec<Plan>, Option<Collapsed>), BuildError> {
         let mut tasks: Vec<Option<Task>> = tasks.into_iter().map(Some).collect();
-        let mut plans: Vec<Plan> = vec![Plan::default(); tasks.len()];
+        let mut plans: Vec<Plan> = filled(Plan::default(), tasks.len())?;
         let (mut price, mut prices) = (None, None);
         if self.options.collapses_while_building() {
             let sizes = Size::of(&tasks, root_area);
@@ -42,7 +43,7 @@ impl Builder<'_> {
                     .with_max_len(1)
                     .map(|Full { number, plan, .. }| {
                         self.check()?;
-                        Ok((number, self.collapsed(plan, &sizes[number].voxel, chosen)))
+                        Ok((number, self.collapsed(plan, &sizes[number].voxel, chosen)?))
                     })
                     .collect::<Result<Vec<_>, BuildError>>()?;
                 collapsed.into_iter().for_each(|(number, plan)| plans[number] = plan);
@@ -56,20 +57,34 @@ impl Builder<'_> {
             let voxel = task.voxel;
             *plan = self.subtree(task, price)?;
             if let Some(price) = price {
-                *plan = self.collapsed(std::mem::take(plan), &voxel, price);
+                *plan = self.collapsed(std::mem::take(plan), &voxel, price)?;
             }
             Ok(())
         })?;
         Ok((plans, prices))
     }
 
-    pub(super) fn collapsed(&self, plan: Plan, voxel: &Aabb, price: PriceOfBytes) -> Plan {
+    /// Keeps the account.
+    pub(super) fn collapsed(
+        &self,
+        plan: Plan,
+        voxel: &Aabb,
+        price: PriceOfBytes,
+    ) -> Result<Plan, BuildError> {
         let PriceOfBytes { lambda, root_area } = price;
-        collapse_subtree(plan, voxel, root_area, &self.options.sah, self.options.layout, lambda)
+        let held = plan.bytes();
+        let Self { options, .. } = self;
+        let plan = collapse_subtree(plan, voxel, root_area, &options.sah, options.layout, lambda, self)?;
+        self.memory.give(held);
+        self.memory.take(plan.bytes())?;
+        Ok(plan)
     }
 
     pub(super) fn subtree(&self, task: Task, bytes: Option<PriceOfBytes>) -> Result<Plan, BuildError> {
-        let (voxel, weight) = (task.voxel, task.weight);
-        self.sequential(task.into_one(), voxel, weight, bytes)
+        let (voxel, weight, held) = (task.voxel, task.weight, task.bytes());
+        let plan = self.sequential(task.into_one()?, voxel, weight, bytes)?;
+        self.memory.give(held);
+        self.memory.take(plan.bytes())?;
+        Ok(plan)
     }
 }

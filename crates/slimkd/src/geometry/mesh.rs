@@ -88,15 +88,43 @@ impl TriangleMesh {
 
     /// Ids of the triangles that can be hit, ascending, and their bounds. The others are collinear or not finite.
     pub(crate) fn valid_triangles(&self) -> (Vec<u32>, Aabb) {
-        let corners = |id: u32| self.corners(id);
-        let keep: Vec<u32> =
-            (0..self.len() as u32).into_par_iter().filter(|&id| !is_degenerate(&corners(id))).collect();
-        let grow = |mut bounds: Aabb, &id: &u32| {
-            corners(id).into_iter().for_each(|corner| bounds.include(corner));
-            bounds
-        };
-        let bounds = keep.par_iter().fold(|| Aabb::EMPTY, grow).reduce(|| Aabb::EMPTY, |a, b| a.union(&b));
-        (keep, bounds)
+        self.valid_triangles_until(|| false).expect("memory for the ids")
+    }
+
+    /// The same; `None` once `stop` says so, or where there is no memory for the ids.
+    pub(crate) fn valid_triangles_until(&self, stop: impl Fn() -> bool + Sync) -> Option<(Vec<u32>, Aabb)> {
+        let mut keep: Vec<u32> = Vec::new();
+        keep.try_reserve_exact(self.len()).ok()?;
+        let mut bounds = Aabb::EMPTY;
+        // So many at a time, so that little is held twice.
+        for first in (0..self.len()).step_by(1 << 20) {
+            let ids = first as u32..self.len().min(first + (1 << 20)) as u32;
+            let pieces: Vec<(Vec<u32>, Aabb)> = (ids.start..ids.end)
+                .into_par_iter()
+                .step_by(1 << 14)
+                .map(|first| {
+                    if stop() {
+                        return None;
+                    }
+                    let mut keep = Vec::new();
+                    keep.try_reserve_exact(1 << 14).ok()?;
+                    let mut bounds = Aabb::EMPTY;
+                    for id in first..ids.end.min(first + (1 << 14)) {
+                        let corners = self.corners(id);
+                        if !is_degenerate(&corners) {
+                            keep.push(id);
+                            corners.into_iter().for_each(|corner| bounds.include(corner));
+                        }
+                    }
+                    Some((keep, bounds))
+                })
+                .collect::<Option<_>>()?;
+            for (ids, part) in pieces {
+                keep.extend_from_slice(&ids);
+                bounds = bounds.union(&part);
+            }
+        }
+        Some((keep, bounds))
     }
 
     /// Bytes of the two buffers: 12 a vertex, 12 a triangle.

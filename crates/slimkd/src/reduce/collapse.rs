@@ -12,7 +12,8 @@
 //! [`BuildOptions::byte_weight`]: crate::BuildOptions::byte_weight
 
 use super::work::Work;
-use crate::build::{Layout, Plan, PlanNode, SahConstants};
+use crate::build::memory::{copied, filled, with_room};
+use crate::build::{BuildError, Builder, Layout, Plan, PlanNode, SahConstants};
 use crate::geometry::Aabb;
 
 /// Bytes that a layout spends on a node and on a reference in a leaf.
@@ -81,16 +82,17 @@ pub(crate) fn collapse(
     sah: &SahConstants,
     byte_weight: f32,
     layout: Layout,
-) -> Plan {
-    let work = Work::new(plan, &voxel);
-    let cost_of_a_byte = work.plan.collapsed.map_or_else(
-        || {
-            let whole = Totals::of(&work, sah, layout);
+    builder: &Builder<'_>,
+) -> Result<Plan, BuildError> {
+    let work = Work::new(plan, &voxel, builder)?;
+    let cost_of_a_byte = match work.plan.collapsed {
+        None => {
+            let whole = Totals::of(&work, sah, layout, builder)?;
             whole.cost / whole.bytes
-        },
-        |collapsed| collapsed.cost_of_a_byte,
-    );
-    collapse_work(work, sah, layout, f64::from(byte_weight) * cost_of_a_byte)
+        }
+        Some(collapsed) => collapsed.cost_of_a_byte,
+    };
+    collapse_work(work, sah, layout, f64::from(byte_weight) * cost_of_a_byte, builder)
 }
 
 /// Collapses a subtree in `voxel`, of a tree whose root's voxel has `root_area`; `lambda` is λ.
@@ -101,8 +103,9 @@ pub(crate) fn collapse_subtree(
     sah: &SahConstants,
     layout: Layout,
     lambda: f64,
-) -> Plan {
-    collapse_work(Work::within(plan, voxel, root_area), sah, layout, lambda)
+    builder: &Builder<'_>,
+) -> Result<Plan, BuildError> {
+    collapse_work(Work::within(plan, voxel, root_area, builder)?, sah, layout, lambda, builder)
 }
 
 /// What a tree takes.
@@ -115,11 +118,16 @@ pub(crate) struct Totals {
 }
 
 impl Totals {
-    fn of(work: &Work, sah: &SahConstants, layout: Layout) -> Self {
+    fn of(
+        work: &Work,
+        sah: &SahConstants,
+        layout: Layout,
+        builder: &Builder<'_>,
+    ) -> Result<Self, BuildError> {
         let (plan, each) = (&work.plan, Bytes::of(layout));
         let bytes = each.node * (plan.nodes.len() + plan.hoisted.len()) as f64
             + each.reference * plan.references.len() as f64;
-        Self { cost: subtree_costs(work, &Prices::new(sah, each, 0.0))[0], bytes }
+        Ok(Self { cost: subtree_costs(work, &Prices::new(sah, each, 0.0), builder)?[0], bytes })
     }
 
     /// Those of a subtree in `voxel`, of a tree whose root's voxel has `root_area`.
@@ -129,35 +137,44 @@ impl Totals {
         root_area: f64,
         sah: &SahConstants,
         layout: Layout,
-    ) -> (Self, Plan) {
-        let work = Work::within(plan, voxel, root_area);
-        (Self::of(&work, sah, layout), work.plan)
+        builder: &Builder<'_>,
+    ) -> Result<(Self, Plan), BuildError> {
+        let work = Work::within(plan, voxel, root_area, builder)?;
+        Ok((Self::of(&work, sah, layout, builder)?, work.plan))
     }
 }
 
-fn collapse_work(mut work: Work, sah: &SahConstants, layout: Layout, lambda: f64) -> Plan {
+fn collapse_work(
+    mut work: Work,
+    sah: &SahConstants,
+    layout: Layout,
+    lambda: f64,
+    builder: &Builder<'_>,
+) -> Result<Plan, BuildError> {
     let prices = Prices::new(sah, Bytes::of(layout), lambda);
-    let limits = distinct_limits(&work, &prices);
+    let limits = distinct_limits(&work, &prices, builder)?;
 
     // From the back: a node's right subtree lies on the stack below its left one.
     let mut summaries: Vec<Summary> = Vec::new();
     let mut hoisted = work.plan.hoisted.len();
     let mut kept = Vec::new();
     for at in (0..work.plan.nodes.len()).rev() {
+        builder.check_at(at)?;
         let area = f64::from(work.areas[at]);
         match work.plan.nodes[at] {
             PlanNode::Leaf { first, count } => {
-                let ids = (count <= limits[at]).then(|| work.ids(first, count).to_vec());
+                let ids = (count <= limits[at]).then(|| copied(work.ids(first, count))).transpose()?;
                 summaries.push(Summary { cost: prices.leaf(area, count as usize), ids });
             }
             PlanNode::Inner { .. } => {
                 let (left, right) = (summaries.pop(), summaries.pop());
                 let (left, right) = left.zip(right).expect("a plan is a binary tree");
-                let mut ids = left.ids.zip(right.ids).map(|(left, right)| merge(&left, &right));
+                let both = left.ids.zip(right.ids);
+                let mut ids = both.map(|(left, right)| merge(&left, &right)).transpose()?;
                 let above = hoisted;
                 while hoisted > 0 && work.plan.hoisted[hoisted - 1].0 as usize == at {
                     hoisted -= 1;
-                    ids = ids.map(|ids| merge(&ids, &[work.plan.hoisted[hoisted].1]));
+                    ids = ids.map(|ids| merge(&ids, &[work.plan.hoisted[hoisted].1])).transpose()?;
                 }
                 let mut cost = prices.inner(area, above - hoisted) + left.cost + right.cost;
                 ids = ids.filter(|ids| ids.len() <= limits[at] as usize);
@@ -168,7 +185,7 @@ fn collapse_work(mut work: Work, sah: &SahConstants, layout: Layout, lambda: f64
                         while kept.last().is_some_and(|&(node, _)| node < work.ends[at]) {
                             kept.pop();
                         }
-                        work.make_leaf(at, distinct);
+                        work.make_leaf(at, distinct)?;
                     }
                     _ => kept.extend(work.plan.hoisted[hoisted..above].iter().rev().copied()),
                 }
@@ -178,15 +195,16 @@ fn collapse_work(mut work: Work, sah: &SahConstants, layout: Layout, lambda: f64
     }
     kept.reverse();
     work.plan.hoisted = kept;
-    work.into_plan()
+    work.into_plan(builder)
 }
 
 /// Cost of every node's subtree as it stands.
-fn subtree_costs(work: &Work, prices: &Prices) -> Vec<f64> {
+fn subtree_costs(work: &Work, prices: &Prices, builder: &Builder<'_>) -> Result<Vec<f64>, BuildError> {
     let nodes = &work.plan.nodes;
-    let mut costs = vec![0.0f64; nodes.len()];
+    let mut costs = filled(0.0f64, nodes.len())?;
     let mut hoisted = work.plan.hoisted.len();
     for at in (0..nodes.len()).rev() {
+        builder.check_at(at)?;
         let area = f64::from(work.areas[at]);
         let above = hoisted;
         while hoisted > 0 && work.plan.hoisted[hoisted - 1].0 as usize == at {
@@ -199,15 +217,16 @@ fn subtree_costs(work: &Work, prices: &Prices) -> Vec<f64> {
             }
         };
     }
-    costs
+    Ok(costs)
 }
 
 /// How many distinct triangles a subtree may hold so that it or any node above it may still collapse: a leaf in place
 /// of a node costs at least `per_triangle · distinct`, and must not cost more than the node does now.
-fn distinct_limits(work: &Work, prices: &Prices) -> Vec<u32> {
-    let costs = subtree_costs(work, prices);
-    let mut limits = vec![0u32; costs.len()];
+fn distinct_limits(work: &Work, prices: &Prices, builder: &Builder<'_>) -> Result<Vec<u32>, BuildError> {
+    let costs = subtree_costs(work, prices, builder)?;
+    let mut limits = filled(0u32, costs.len())?;
     for at in 0..costs.len() {
+        builder.check_at(at)?;
         // Rounding must not rule out a collapse: one triangle of margin. A voxel without area limits nothing: NaN and
         // infinity become "no limit".
         let own = costs[at] / prices.per_triangle(work.areas[at].into()) + 1.0;
@@ -218,12 +237,12 @@ fn distinct_limits(work: &Work, prices: &Prices) -> Vec<u32> {
             limits[right as usize] = limits[at];
         }
     }
-    limits
+    Ok(limits)
 }
 
 /// Union of two ascending lists.
-fn merge(a: &[u32], b: &[u32]) -> Vec<u32> {
-    let mut out = Vec::with_capacity(a.len() + b.len());
+fn merge(a: &[u32], b: &[u32]) -> Result<Vec<u32>, BuildError> {
+    let mut out = with_room(a.len() + b.len())?;
     let (mut i, mut j) = (0, 0);
     while i < a.len() && j < b.len() {
         let (x, y) = (a[i], b[j]);
@@ -233,5 +252,5 @@ fn merge(a: &[u32], b: &[u32]) -> Vec<u32> {
     }
     out.extend_from_slice(&a[i..]);
     out.extend_from_slice(&b[j..]);
-    out
+    Ok(out)
 }

@@ -38,7 +38,12 @@ pub(crate) fn fit<T>(
             return encode(plan);
         }
         let weighed = BuildOptions { collapse: true, byte_weight: weight, ..options.clone() };
-        encode(&prune(plan.clone(), voxel, &weighed))
+        builder.memory.take(plan.bytes())?;
+        let pruned = prune(plan.copied()?, voxel, &weighed, builder)?;
+        let encoded = encode(&pruned);
+        drop(pruned);
+        builder.memory.give(plan.bytes());
+        encoded
     };
     let built = plan.collapsed.map_or(0.0, |collapsed| collapsed.byte_weight);
     if built > options.byte_weight {

@@ -10,6 +10,8 @@
 
 use super::options::{CountedLeaves, Hoisting, OccupancyBase};
 use super::work::Work;
+use crate::build::BuildError;
+use crate::build::memory::filled;
 
 /// What the leaves under a node say about one triangle.
 #[derive(Clone, Copy, Debug)]
@@ -28,8 +30,8 @@ pub(crate) struct Picker<'a> {
 }
 
 impl<'a> Picker<'a> {
-    pub(crate) fn new(hoisting: &'a Hoisting, triangles: usize) -> Self {
-        Self { hoisting, slots: vec![u32::MAX; triangles], tallies: Vec::new() }
+    pub(crate) fn new(hoisting: &'a Hoisting, triangles: usize) -> Result<Self, BuildError> {
+        Ok(Self { hoisting, slots: filled(u32::MAX, triangles)?, tallies: Vec::new() })
     }
 
     /// `pick_triangle` for the subtree at `at`.
@@ -129,13 +131,14 @@ mod tests {
         let mesh = mesh();
         let (ids, bounds) = mesh.valid_triangles();
         let (options, progress) = (BuildOptions::default(), Progress::new());
-        let plan = Builder::new(&mesh, &options, &progress).unwrap().build(&ids, bounds, 1.0).unwrap();
+        let builder = Builder::new(&mesh, &options, &progress).unwrap();
+        let plan = builder.build(&ids, bounds, 1.0).unwrap();
         let nodes = plan.nodes.len();
-        let work = Work::new(plan, &bounds);
+        let work = Work::new(plan, &bounds, &builder).unwrap();
         let mut found = 0;
         for (occupancy, frequency) in [(0.9, 0.7), (0.5, 0.4), (0.3, 0.2), (0.02, 0.01)] {
             let hoisting = Hoisting::new(occupancy, frequency);
-            let mut picker = Picker::new(&hoisting, mesh.len());
+            let mut picker = Picker::new(&hoisting, mesh.len()).unwrap();
             for at in 0..nodes {
                 let picked = picker.pick(&work, at);
                 let expected = naive_pick(&work, at, &hoisting);
@@ -159,10 +162,12 @@ mod tests {
             hoisted: Vec::new(),
             collapsed: None,
         };
-        let work = Work::new(plan, &Aabb { min: [0.0; 3], max: [1.0; 3] });
+        let (mesh, options, progress) = (mesh(), BuildOptions::default(), Progress::new());
+        let builder = Builder::new(&mesh, &options, &progress).unwrap();
+        let work = Work::new(plan, &Aabb { min: [0.0; 3], max: [1.0; 3] }, &builder).unwrap();
         let pick = |occupancy, frequency| {
             let hoisting = Hoisting::new(occupancy, frequency);
-            Picker::new(&hoisting, 8).pick(&work, 0)
+            Picker::new(&hoisting, 8).unwrap().pick(&work, 0)
         };
         assert_eq!(pick(0.999, 0.999), Some(7));
         assert_eq!(pick(1.0, 0.0), None, "thresholds are strict");

@@ -26,21 +26,33 @@ pub(crate) fn hoist(
     options: &BuildOptions,
 ) -> Result<Plan, BuildError> {
     if let Some(hoisting) = &options.hoisting {
+        let beside = 24 * plan.nodes.len() + 8 * builder.mesh().len(); // what stripping keeps beside the plan
+        builder.memory.take(beside)?;
         plan = match hoisting.algorithm {
-            HoistAlgorithm::Strip => strip::hoist(plan, voxel, hoisting, options)?,
+            HoistAlgorithm::Strip => strip::hoist(plan, voxel, hoisting, builder)?,
             HoistAlgorithm::Predict => plan, // done while building
             HoistAlgorithm::Rebuild => rebuild::hoist(plan, voxel, hoisting, builder)?,
         };
+        builder.memory.give(beside);
     }
     plan.counts = Vec::new(); // only stripping needs them
     Ok(plan)
 }
 
 /// Collapses where the options ask for it. What the builder collapsed at this weight stays as it is.
-pub(crate) fn prune(plan: Plan, voxel: Aabb, options: &BuildOptions) -> Plan {
+pub(crate) fn prune(
+    plan: Plan,
+    voxel: Aabb,
+    options: &BuildOptions,
+    builder: &Builder<'_>,
+) -> Result<Plan, BuildError> {
     let done = plan.collapsed.is_some_and(|collapsed| collapsed.byte_weight == options.byte_weight);
     if !options.collapse || done {
-        return plan;
+        return Ok(plan);
     }
-    collapse::collapse(plan, voxel, &options.sah, options.byte_weight, options.layout)
+    let beside = plan.bytes();
+    builder.memory.take(beside)?;
+    let pruned = collapse::collapse(plan, voxel, &options.sah, options.byte_weight, options.layout, builder)?;
+    builder.memory.give(beside);
+    Ok(pruned)
 }

@@ -28,9 +28,10 @@ pub(crate) fn hoist(
     builder: &Builder<'_>,
 ) -> Result<Plan, BuildError> {
     let triangles = plan.references.iter().max().map_or(0, |&id| id as usize + 1);
-    let mut picker = Picker::new(hoisting, triangles);
+    let mut picker = Picker::new(hoisting, triangles)?;
     let mut out = Plan::default();
-    let mut pending = vec![Pending { work: Rc::new(Work::new(plan, &voxel)), at: 0, voxel, parent: None }];
+    let mut pending =
+        vec![Pending { work: Rc::new(Work::new(plan, &voxel, builder)?), at: 0, voxel, parent: None }];
     while let Some(Pending { mut work, mut at, voxel, parent }) = pending.pop() {
         builder.check()?;
         let here = out.nodes.len();
@@ -45,7 +46,7 @@ pub(crate) fn hoist(
             match (&rebuilt.nodes[0], hoisting.when_leaf_remains) {
                 (PlanNode::Inner { .. }, _) => {
                     out.hoisted.push((here as u32, picked));
-                    (work, at) = (Rc::new(Work::new(rebuilt, &voxel)), 0);
+                    (work, at) = (Rc::new(Work::new(rebuilt, &voxel, builder)?), 0);
                 }
                 (PlanNode::Leaf { .. }, WhenLeafRemains::MakeLeaf) => {
                     push_leaf(&mut out, &all);

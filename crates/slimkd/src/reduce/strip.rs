@@ -8,7 +8,8 @@
 use super::measures::Picker;
 use super::options::{Hoisting, WhenLeafRemains};
 use super::work::Work;
-use crate::build::{BuildError, BuildOptions, Plan, PlanNode};
+use crate::build::memory::{filled, push};
+use crate::build::{BuildError, Builder, Plan, PlanNode};
 use crate::geometry::Aabb;
 
 /// Hoists at most one triangle a node, top-down.
@@ -16,40 +17,47 @@ pub(crate) fn hoist(
     mut plan: Plan,
     voxel: Aabb,
     hoisting: &Hoisting,
-    options: &BuildOptions,
+    builder: &Builder<'_>,
 ) -> Result<Plan, BuildError> {
     let triangles = plan.references.iter().max().map_or(0, |&id| id as usize + 1);
     let mut pass = Pass {
         counts: std::mem::take(&mut plan.counts),
-        most: most_leaves_of_one(&plan, triangles),
-        leaves: vec![0; plan.nodes.len()],
-        work: Work::new(plan, &voxel),
+        most: most_leaves_of_one(&plan, triangles, builder)?,
+        leaves: filled(0, plan.nodes.len())?,
+        work: Work::new(plan, &voxel, builder)?,
         marks: Vec::new(),
-        leaf_at_most: options.leaf_at_most,
+        leaf_at_most: builder.options().leaf_at_most,
     };
     pass.count_leaves(0);
-    let mut picker = Picker::new(hoisting, triangles);
+    let mut picker = Picker::new(hoisting, triangles)?;
     let mut at = 0;
-    while at < pass.work.plan.nodes.len() {
+    for steps in 0.. {
+        if at >= pass.work.plan.nodes.len() {
+            break;
+        }
+        if steps % 64 == 0 {
+            builder.check()?;
+        }
         match pass.work.plan.nodes[at] {
             PlanNode::Leaf { .. } => at = pass.work.ends[at] as usize,
             PlanNode::Inner { .. } => {
-                pass.visit(at, hoisting, &mut picker);
+                pass.visit(at, hoisting, &mut picker)?;
                 at += 1;
             }
         }
     }
     let Pass { work, .. } = pass; // the rest is freed before the result takes its room
-    Ok(work.into_plan())
+    work.into_plan(builder)
 }
 
 /// Per node, the most leaves of the whole tree that hold one and the same triangle of this subtree: an upper bound
 /// that rules most large subtrees out.
-fn most_leaves_of_one(plan: &Plan, triangles: usize) -> Vec<u32> {
-    let mut per_triangle = vec![0u32; triangles];
+fn most_leaves_of_one(plan: &Plan, triangles: usize, builder: &Builder<'_>) -> Result<Vec<u32>, BuildError> {
+    let mut per_triangle = filled(0u32, triangles)?;
     plan.references.iter().for_each(|&id| per_triangle[id as usize] += 1);
-    let mut most = vec![0; plan.nodes.len()];
+    let mut most = filled(0, plan.nodes.len())?;
     for at in (0..plan.nodes.len()).rev() {
+        builder.check_at(at)?;
         most[at] = match plan.nodes[at] {
             PlanNode::Inner { right, .. } => most[at + 1].max(most[right as usize]),
             PlanNode::Leaf { first, count } => {
@@ -58,7 +66,7 @@ fn most_leaves_of_one(plan: &Plan, triangles: usize) -> Vec<u32> {
             }
         };
     }
-    most
+    Ok(most)
 }
 
 struct Pass {
@@ -75,23 +83,23 @@ struct Pass {
 }
 
 impl Pass {
-    fn visit(&mut self, at: usize, hoisting: &Hoisting, picker: &mut Picker<'_>) {
+    fn visit(&mut self, at: usize, hoisting: &Hoisting, picker: &mut Picker<'_>) -> Result<(), BuildError> {
         if f64::from(self.most[at]) <= f64::from(hoisting.frequency) * self.least_denominator(at, hoisting) {
-            return;
+            return Ok(());
         }
-        let Some(picked) = picker.pick(&self.work, at) else { return };
+        let Some(picked) = picker.pick(&self.work, at) else { return Ok(()) };
         if self.counts[at] - 1 <= self.leaf_at_most {
             match hoisting.when_leaf_remains {
                 WhenLeafRemains::MakeLeaf => {
                     let ids = self.work.distinct(at);
-                    self.work.make_leaf(at, &ids);
+                    self.work.make_leaf(at, &ids)?;
                 }
                 WhenLeafRemains::DropPick => {}
             }
-            return;
+            return Ok(());
         }
-        self.work.plan.hoisted.push((at as u32, picked));
-        self.strip(at, picked);
+        push(&mut self.work.plan.hoisted, (at as u32, picked))?;
+        self.strip(at, picked)
     }
 
     /// The fewest leaves that the frequency measure may divide by.
@@ -103,7 +111,7 @@ impl Pass {
     }
 
     /// Takes `picked` out of the subtree at `at` and ends what the leaf rule ends now.
-    fn strip(&mut self, at: usize, picked: u32) {
+    fn strip(&mut self, at: usize, picked: u32) -> Result<(), BuildError> {
         self.mark(at, picked);
         let mut cut = false;
         for i in 0..self.marks.len() {
@@ -118,7 +126,7 @@ impl Pass {
                 && self.counts[node] <= self.leaf_at_most
             {
                 let ids = self.work.distinct(node);
-                self.work.make_leaf(node, &ids);
+                self.work.make_leaf(node, &ids)?;
                 cut = true;
                 while self.marks.get(i).is_some_and(|&below| below < self.work.ends[node] as usize) {
                     i += 1;
@@ -128,6 +136,7 @@ impl Pass {
         if cut {
             self.count_leaves(at);
         }
+        Ok(())
     }
 
     /// Removes `picked` from the leaves under `at`; `marks` becomes the nodes that held it, ascending.

@@ -1,6 +1,7 @@
 //! A plan that can be cut: nodes in preorder with the end of each subtree, so that a subtree is a range.
 
-use crate::build::{Plan, PlanNode};
+use crate::build::memory::{filled, room, with_room};
+use crate::build::{BuildError, Builder, Plan, PlanNode};
 use crate::geometry::Aabb;
 
 /// A plan under reduction. Nodes and references that were cut off stay in the arrays until [`Work::into_plan`].
@@ -13,24 +14,31 @@ pub(crate) struct Work {
 }
 
 impl Work {
-    pub(crate) fn new(plan: Plan, root: &Aabb) -> Self {
-        Self::within(plan, root, root.surface_area())
+    pub(crate) fn new(plan: Plan, root: &Aabb, builder: &Builder<'_>) -> Result<Self, BuildError> {
+        Self::within(plan, root, root.surface_area(), builder)
     }
 
     /// A subtree of a tree whose root's voxel has that surface area.
-    pub(crate) fn within(plan: Plan, root: &Aabb, area: f64) -> Self {
+    pub(crate) fn within(
+        plan: Plan,
+        root: &Aabb,
+        area: f64,
+        builder: &Builder<'_>,
+    ) -> Result<Self, BuildError> {
         let nodes = &plan.nodes;
-        let mut ends = vec![0u32; nodes.len()];
+        let mut ends = filled(0u32, nodes.len())?;
         for at in (0..nodes.len()).rev() {
+            builder.check_at(at)?;
             ends[at] = match nodes[at] {
                 PlanNode::Inner { right, .. } => ends[right as usize],
                 PlanNode::Leaf { .. } => at as u32 + 1,
             };
         }
         let scale = if area > 0.0 { 1.0 / area } else { 0.0 };
-        let mut areas = vec![0.0; nodes.len()];
+        let mut areas = filled(0.0, nodes.len())?;
         let mut voxels = vec![*root];
-        for (node, out) in nodes.iter().zip(&mut areas) {
+        for (at, (node, out)) in nodes.iter().zip(&mut areas).enumerate() {
+            builder.check_at(at)?;
             let voxel = voxels.pop().expect("a plan is a binary tree");
             *out = (voxel.surface_area() * scale) as f32;
             if let PlanNode::Inner { axis, split, .. } = *node {
@@ -38,7 +46,7 @@ impl Work {
                 voxels.extend([right, left]);
             }
         }
-        Self { plan, ends, areas }
+        Ok(Self { plan, ends, areas })
     }
 
     /// The ids of a leaf.
@@ -77,25 +85,28 @@ impl Work {
     }
 
     /// Turns the subtree at `at` into a leaf of `ids`, ascending.
-    pub(crate) fn make_leaf(&mut self, at: usize, ids: &[u32]) {
+    pub(crate) fn make_leaf(&mut self, at: usize, ids: &[u32]) -> Result<(), BuildError> {
         let first = self.plan.references.len() as u32;
+        room(&mut self.plan.references, ids.len())?;
         self.plan.references.extend_from_slice(ids);
         self.plan.nodes[at] = PlanNode::Leaf { first, count: ids.len() as u32 };
+        Ok(())
     }
 
     /// Drops what was cut off. T-references of nodes that are leaves now must not exist.
-    pub(crate) fn into_plan(self) -> Plan {
+    pub(crate) fn into_plan(self, builder: &Builder<'_>) -> Result<Plan, BuildError> {
         let Self { plan, ends, areas } = self;
         drop(areas);
         let Plan { mut nodes, references: old, hoisted: old_hoisted, collapsed, .. } = plan;
-        let mut references = Vec::with_capacity(kept_references(&nodes, &ends));
-        let mut hoisted = Vec::with_capacity(old_hoisted.len());
+        let mut references = with_room(kept_references(&nodes, &ends))?;
+        let mut hoisted = with_room(old_hoisted.len())?;
         let mut old_hoisted = old_hoisted.iter().peekable();
         // Parents whose right child is still to come, innermost last.
         let mut open: Vec<(usize, u32)> = Vec::new();
         // Nodes only move forward: they are compacted in place.
         let (mut at, mut here) = (0, 0);
         while at < nodes.len() {
+            builder.check_at(here)?;
             while let Some((parent, _)) = open.pop_if(|&mut (_, right)| right as usize == at) {
                 if let PlanNode::Inner { right, .. } = &mut nodes[parent] {
                     *right = here as u32;
@@ -124,7 +135,7 @@ impl Work {
         }
         nodes.truncate(here);
         nodes.shrink_to_fit();
-        Plan { nodes, references, counts: Vec::new(), hoisted, collapsed }
+        Ok(Plan { nodes, references, counts: Vec::new(), hoisted, collapsed })
     }
 }
 

@@ -47,7 +47,8 @@ impl KdTree {
     ///
     /// # Errors
     /// [`BuildError::TooLarge`] when a layout's field cannot address the tree, [`BuildError::InvalidOption`] for
-    /// constants that are not positive and finite.
+    /// constants that are not positive and finite, [`BuildError::OutOfMemory`], and [`BuildError::BuildTooLarge`] where
+    /// [`BuildOptions::max_build_bytes`] does not suffice.
     pub fn build(mesh: impl Into<Arc<TriangleMesh>>, options: &BuildOptions) -> Result<Self, BuildError> {
         Self::build_with_progress(mesh, options, &Progress::new())
     }
@@ -55,7 +56,7 @@ impl KdTree {
     /// The same, watched and cancellable from another thread.
     ///
     /// # Errors
-    /// As [`KdTree::build`], and [`BuildError::Cancelled`].
+    /// As [`KdTree::build`], and [`BuildError::Cancelled`], within some ten milliseconds of the call.
     pub fn build_with_progress(
         mesh: impl Into<Arc<TriangleMesh>>,
         options: &BuildOptions,
@@ -78,19 +79,24 @@ impl KdTree {
         options: &BuildOptions,
         progress: &Progress,
     ) -> Result<Self, BuildError> {
-        let (triangles, bounds) = mesh.valid_triangles();
+        let none_left = BuildError::OutOfMemory { bytes: 4 * mesh.len() as u64 };
+        let valid = mesh.valid_triangles_until(|| progress.is_cancelled());
+        progress.check()?;
+        let (triangles, bounds) = valid.ok_or(none_left)?;
         let degenerate = (mesh.len() - triangles.len()) as u64;
         let (layout, budget) = (options.layout, options.max_tree.map(|most| most.bytes(mesh.len())));
-        let encode = |plan: &Plan| encode(plan, &bounds, mesh.len(), layout);
+        let encode = |plan: &Plan| encode(plan, &bounds, mesh.len(), layout, progress);
         let encoded = |plan: &Plan| Ok(encode(plan)?.bytes());
         let bound = budget.map(|bytes| Bound { bytes, encoded: &encoded });
         let builder = Builder::new(&mesh, options, progress)?.within(bound);
         let plan = builder.build(&triangles, bounds, 1.0)?;
         drop(triangles);
         let plan = hoist(plan, bounds, &builder, options)?;
-        let mut tree_options = BuildOptions { threads: None, max_tree: None, ..options.clone() };
+        builder.memory.take(plan.bytes())?; // no layout takes more
+        let mut tree_options =
+            BuildOptions { threads: None, max_tree: None, max_build_bytes: None, ..options.clone() };
         let encoded = match budget {
-            None => encode(&prune(plan, bounds, options))?,
+            None => encode(&prune(plan, bounds, options, &builder)?)?,
             Some(most) => {
                 let sized = |plan: &Plan| {
                     let encoded = encode(plan)?;
@@ -257,7 +263,8 @@ impl KdTree {
         self.bounds
     }
 
-    /// The options that it was built with; `threads` is always `None`, since it leaves no trace in the tree.
+    /// The options that it was built with; `threads` and `max_build_bytes` are always `None`, since they leave no trace in the
+    /// tree.
     pub fn options(&self) -> &BuildOptions {
         &self.options
     }
@@ -293,12 +300,18 @@ impl KdTree {
 }
 
 /// The plan's bytes in the layout asked for; plain where the dense layout cannot hold it.
-fn encode(plan: &Plan, bounds: &Aabb, triangles: usize, layout: Layout) -> Result<Encoded, BuildError> {
+fn encode(
+    plan: &Plan,
+    bounds: &Aabb,
+    triangles: usize,
+    layout: Layout,
+    progress: &Progress,
+) -> Result<Encoded, BuildError> {
     if layout == Layout::Dense
         && plan.hoisted.is_empty()
-        && let Some(dense) = dense::encode(plan, bounds, triangles)?
+        && let Some(dense) = dense::encode(plan, bounds, triangles, progress)?
     {
         return Ok(Encoded::Dense(dense));
     }
-    Ok(Encoded::Plain(plain::encode(plan, layout != Layout::FourByte)?))
+    Ok(Encoded::Plain(plain::encode(plan, layout != Layout::FourByte, progress)?))
 }

@@ -5,7 +5,8 @@
 
 use super::leaf::{LeafCode, TRIANGLE_LIMIT};
 use super::{Dense, PADDING, word};
-use crate::build::{BuildError, Plan, PlanNode};
+use crate::build::memory::{filled, room};
+use crate::build::{BuildError, Plan, PlanNode, Progress};
 use crate::geometry::Aabb;
 
 /// Bytes that 32-bit addresses reach.
@@ -16,16 +17,18 @@ pub(in crate::tree) fn encode(
     plan: &Plan,
     bounds: &Aabb,
     triangles: usize,
+    progress: &Progress,
 ) -> Result<Option<Dense>, BuildError> {
     check("triangles", triangles as u64, TRIANGLE_LIMIT)?;
     let Some(planes) = word::grid(bounds) else { return Ok(None) };
     let code = LeafCode::new(triangles);
     // Of every node, its first byte's distance from the end.
-    let mut starts = vec![0u32; plan.nodes.len()];
-    let mut reversed: Vec<u8> = vec![0; PADDING];
+    let mut starts = filled(0u32, plan.nodes.len())?;
+    let mut reversed: Vec<u8> = filled(0, PADDING)?;
     let mut index_bytes = 0;
     let mut bytes = Vec::new();
     for (at, node) in plan.nodes.iter().enumerate().rev() {
+        progress.check_at(at)?;
         bytes.clear();
         match *node {
             PlanNode::Leaf { first, count } => {
@@ -41,6 +44,7 @@ pub(in crate::tree) fn encode(
                 }
             }
         }
+        room(&mut reversed, bytes.len())?;
         reversed.extend(bytes.iter().rev());
         check("bytes", reversed.len() as u64, BYTE_LIMIT)?;
         starts[at] = reversed.len() as u32;

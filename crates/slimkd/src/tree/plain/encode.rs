@@ -2,7 +2,8 @@
 
 use super::Plain;
 use super::layout::{COUNT_LIMIT_2BYTE, COUNT_LIMIT_4BYTE, Node, POINTER_LIMIT, Packed};
-use crate::build::{BuildError, Plan, PlanNode};
+use crate::build::memory::with_room;
+use crate::build::{BuildError, Plan, PlanNode, Progress};
 
 /// Whether a leaf of these ids can use the 2-byte mode: they share their upper 16 bits and H can count them.
 fn shared_upper(ids: &[u32]) -> Option<u32> {
@@ -11,12 +12,13 @@ fn shared_upper(ids: &[u32]) -> Option<u32> {
 }
 
 /// Encodes a plan; `two_byte` allows the 2-byte leaf mode.
-pub(in crate::tree) fn encode(plan: &Plan, two_byte: bool) -> Result<Plain, BuildError> {
+pub(in crate::tree) fn encode(plan: &Plan, two_byte: bool, progress: &Progress) -> Result<Plain, BuildError> {
     let total = plan.nodes.len() + plan.hoisted.len();
     check("nodes", total as u64, POINTER_LIMIT)?;
     let leaf_ids = |first: u32, count: u32| &plan.references[first as usize..(first + count) as usize];
     let (mut wide, mut narrow) = (0u64, 0u64);
-    for node in &plan.nodes {
+    for (at, node) in plan.nodes.iter().enumerate() {
+        progress.check_at(at)?;
         if let &PlanNode::Leaf { first, count } = node {
             let mode = shared_upper(leaf_ids(first, count)).filter(|_| two_byte);
             *if mode.is_some() { &mut narrow } else { &mut wide } += u64::from(count);
@@ -27,15 +29,16 @@ pub(in crate::tree) fn encode(plan: &Plan, two_byte: bool) -> Result<Plain, Buil
     check("2-byte references", narrow, POINTER_LIMIT)?;
 
     let mut out = Plain {
-        nodes: Vec::with_capacity(total),
-        indices_4byte: Vec::with_capacity(wide as usize),
-        indices_2byte: Vec::with_capacity(narrow as usize),
+        nodes: with_room(total)?,
+        indices_4byte: with_room(wide as usize)?,
+        indices_2byte: with_room(narrow as usize)?,
     };
     out.nodes.push(Packed(0));
     let mut hoisted = plan.hoisted.iter().peekable();
     // The plan is in preorder: the next node always belongs into the slot on top.
     let mut slots = vec![0usize];
     for (at, node) in plan.nodes.iter().enumerate() {
+        progress.check_at(at)?;
         let slot = slots.pop().expect("a plan has one root");
         let node = match *node {
             PlanNode::Inner { axis, split, .. } => {
