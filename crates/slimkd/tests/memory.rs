@@ -35,6 +35,19 @@ unsafe impl GlobalAlloc for Limited {
         // SAFETY: `block` came from `System` with this layout.
         unsafe { System.dealloc(block, layout) };
     }
+
+    /// Shrinking never fails, as with the system's allocator.
+    unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        let live = LIVE.fetch_add(size, Relaxed) + size - layout.size();
+        if size >= LARGE && size > layout.size() && live > LIMIT.load(Relaxed) {
+            LIVE.fetch_sub(size, Relaxed);
+            return std::ptr::null_mut();
+        }
+        LIVE.fetch_sub(layout.size(), Relaxed);
+        PEAK.fetch_max(live, Relaxed);
+        // SAFETY: as in `dealloc`; the caller upholds the contract on `size`.
+        unsafe { System.realloc(block, layout, size) }
+    }
 }
 
 #[global_allocator]

@@ -185,9 +185,14 @@ impl Size {
     }
 }
 
+/// Whether not all subtrees are built first.
+pub(super) fn is_sampled(sizes: &[Size]) -> bool {
+    sizes.len() >= 2 * SAMPLE
+}
+
 /// One subtree is chosen in each such step of shares; 0 where all are.
 fn step(sizes: &[Size]) -> f64 {
-    if sizes.len() < 2 * SAMPLE {
+    if !is_sampled(sizes) {
         return 0.0;
     }
     sizes.iter().map(|size| size.share).sum::<f64>() / SAMPLE as f64

@@ -7,7 +7,7 @@ use super::BuildError;
 use super::fork::{Task, Top};
 use super::memory::filled;
 use super::plan::{Collapsed, Plan};
-use super::price::{Full, Sample, Size};
+use super::price::{Full, Sample, Size, is_sampled};
 use super::recursion::{Builder, PriceOfBytes};
 use crate::geometry::Aabb;
 use crate::reduce::collapse_subtree;
@@ -26,12 +26,14 @@ impl Builder<'_> {
         let (mut price, mut prices) = (None, None);
         if self.options.collapses_while_building() {
             let sizes = Size::of(&tasks, root_area);
+            // Where all is built in full, a bound is kept by pruning the whole.
+            let bound = self.bound.as_ref().filter(|_| is_sampled(&sizes));
             // At weight 0 and without a bound there is nothing to estimate.
-            if self.options.byte_weight > 0.0 || self.bound.is_some() {
+            if self.options.byte_weight > 0.0 || bound.is_some() {
                 let full = self.sample(&mut tasks, &sizes, root_area)?;
                 let sample = Sample { full, sizes: &sizes, top, root_area };
                 let cost_of_a_byte = self.cost_of_a_byte(&sample);
-                let byte_weight = match &self.bound {
+                let byte_weight = match bound {
                     Some(bound) => self.weight_within(&sample, cost_of_a_byte, bound)?,
                     None => self.options.byte_weight,
                 };
