@@ -32,8 +32,8 @@ pub(crate) trait LaneNodes: Nodes {
     /// False where an array is too short or too long for what the lanes read; then this trait must not be used.
     fn fit_lanes(self) -> bool;
 
-    /// Reads the nodes at addresses of this tree, in every lane.
-    fn fetch<S: Simd>(self, s: S, address: S::U) -> (S::U, S::U);
+    /// Reads the nodes at addresses of this tree, one for every lane.
+    fn fetch<S: Simd>(self, s: S, addresses: &[u32]) -> (S::U, S::U);
 
     /// What was read there says.
     fn decode<S: Simd>(self, s: S, address: S::U, words: (S::U, S::U)) -> LaneStep<S>;
@@ -42,7 +42,7 @@ pub(crate) trait LaneNodes: Nodes {
     fn t_references<S: Simd>(self, s: S, inner: S::M, words: (S::U, S::U)) -> (S::M, S::U);
 
     /// Begins to read leaves, in the lanes of `valid`. Every lane must hold an address of this tree.
-    fn open<S: Simd>(self, s: S, valid: S::M, address: S::U) -> Self::Leaves<S>;
+    fn open<S: Simd>(self, s: S, valid: S::M, addresses: &[u32]) -> Self::Leaves<S>;
 
     /// The next triangle of each leaf, and which leaves still had one; the others give a triangle of the mesh.
     fn next<S: Simd>(self, s: S, leaves: &mut Self::Leaves<S>) -> (S::M, S::U);

@@ -1,6 +1,6 @@
 //! AVX2: 8 lanes, masks as vectors of all ones or zeros.
 
-use super::{Simd, four, load_row, load_two, methods, operators};
+use super::{Simd, lane_at, load_row, load_two, methods, operators};
 use std::arch::x86_64::*;
 
 const WIDTH: usize = 8;
@@ -200,52 +200,87 @@ impl Simd for Avx2 {
     }
     #[inline(always)]
     unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, index: U32) -> (U32, U32) {
+        let mut at = [0; WIDTH];
+        self.store_u32(index, &mut at);
+        // SAFETY: the caller's promise.
+        unsafe { self.load_pairs::<SCALE>(base, &at) }
+    }
+    #[inline(always)]
+    unsafe fn gather_rows<const SCALE: i32>(self, base: *const u8, index: U32) -> [U32; 4] {
+        let mut at = [0; WIDTH];
+        self.store_u32(index, &mut at);
+        // SAFETY: the token proves the instructions; the caller vouches for the addresses.
+        unsafe { rows(base, SCALE as usize, &at) }
+    }
+    #[inline(always)]
+    unsafe fn load_pairs<const SCALE: i32>(self, base: *const u8, at: &[u32]) -> (U32, U32) {
+        let (at, scale) = (&at[..WIDTH], SCALE as usize);
         // SAFETY: the token proves the instructions; the caller vouches for the addresses.
         unsafe {
-            let (at, to) = halves(index);
             // Lanes 0 1 4 5 and 2 3 6 7, so that shuffling inside of halves puts them in order.
-            let a = _mm256_castsi256_ps(both(
-                load_two(base, SCALE, at[0], at[1]),
-                load_two(base, SCALE, to[0], to[1]),
-            ));
-            let b = _mm256_castsi256_ps(both(
-                load_two(base, SCALE, at[2], at[3]),
-                load_two(base, SCALE, to[2], to[3]),
-            ));
+            let a =
+                _mm256_castsi256_ps(both(load_two(base, scale, at, 0), load_two(base, scale, at, 4)));
+            let b =
+                _mm256_castsi256_ps(both(load_two(base, scale, at, 2), load_two(base, scale, at, 6)));
             let even = _mm256_shuffle_ps::<0b10_00_10_00>(a, b);
             let odd = _mm256_shuffle_ps::<0b11_01_11_01>(a, b);
             (U32(_mm256_castps_si256(even)), U32(_mm256_castps_si256(odd)))
         }
     }
     #[inline(always)]
-    unsafe fn gather_rows<const SCALE: i32>(self, base: *const u8, index: U32) -> [U32; 4] {
+    unsafe fn load_rows(self, base: *const u8, at: &[u32]) -> [U32; 4] {
+        // SAFETY: the token proves the instructions; the caller vouches for the addresses.
+        unsafe { rows(base, 1, &at[..WIDTH]) }
+    }
+    #[inline(always)]
+    unsafe fn store_rows(self, base: *mut u8, at: &[u32], [a, b, c, d]: [U32; 4]) {
+        let at = &at[..WIDTH];
         // SAFETY: the token proves the instructions; the caller vouches for the addresses.
         unsafe {
-            let (a, b) = halves(index);
-            let first = both(load_row(base, SCALE, a[0]), load_row(base, SCALE, b[0]));
-            let second = both(load_row(base, SCALE, a[1]), load_row(base, SCALE, b[1]));
-            let third = both(load_row(base, SCALE, a[2]), load_row(base, SCALE, b[2]));
-            let fourth = both(load_row(base, SCALE, a[3]), load_row(base, SCALE, b[3]));
-            let (low, high) = (_mm256_unpacklo_epi32(first, second), _mm256_unpackhi_epi32(first, second));
-            let (low2, high2) = (_mm256_unpacklo_epi32(third, fourth), _mm256_unpackhi_epi32(third, fourth));
-            [
-                U32(_mm256_unpacklo_epi64(low, low2)),
-                U32(_mm256_unpackhi_epi64(low, low2)),
-                U32(_mm256_unpacklo_epi64(high, high2)),
-                U32(_mm256_unpackhi_epi64(high, high2)),
-            ]
+            let (low, high) = (_mm256_unpacklo_epi32(a.0, b.0), _mm256_unpackhi_epi32(a.0, b.0));
+            let (low2, high2) = (_mm256_unpacklo_epi32(c.0, d.0), _mm256_unpackhi_epi32(c.0, d.0));
+            store_halves(base, at, 0, _mm256_unpacklo_epi64(low, low2));
+            store_halves(base, at, 1, _mm256_unpackhi_epi64(low, low2));
+            store_halves(base, at, 2, _mm256_unpacklo_epi64(high, high2));
+            store_halves(base, at, 3, _mm256_unpackhi_epi64(high, high2));
         }
     }
 }
 
-/// Lanes 0 to 3 and 4 to 7.
+/// Eight times sixteen bytes, as columns.
 ///
 /// # Safety
-/// The processor must have AVX2.
+/// The processor must have AVX2, `at` 8 entries, and the bytes must be readable.
 #[inline(always)]
-unsafe fn halves(x: U32) -> ([u32; 4], [u32; 4]) {
+unsafe fn rows(base: *const u8, scale: usize, at: &[u32]) -> [U32; 4] {
     // SAFETY: the caller's promise.
-    unsafe { (four(_mm256_castsi256_si128(x.0)), four(_mm256_extracti128_si256::<1>(x.0))) }
+    unsafe {
+        let first = both(load_row(base, scale, at, 0), load_row(base, scale, at, 4));
+        let second = both(load_row(base, scale, at, 1), load_row(base, scale, at, 5));
+        let third = both(load_row(base, scale, at, 2), load_row(base, scale, at, 6));
+        let fourth = both(load_row(base, scale, at, 3), load_row(base, scale, at, 7));
+        let (low, high) = (_mm256_unpacklo_epi32(first, second), _mm256_unpackhi_epi32(first, second));
+        let (low2, high2) = (_mm256_unpacklo_epi32(third, fourth), _mm256_unpackhi_epi32(third, fourth));
+        [
+            U32(_mm256_unpacklo_epi64(low, low2)),
+            U32(_mm256_unpackhi_epi64(low, low2)),
+            U32(_mm256_unpacklo_epi64(high, high2)),
+            U32(_mm256_unpackhi_epi64(high, high2)),
+        ]
+    }
+}
+
+/// Writes both halves of a vector where `lane` and the fourth one after it belong.
+///
+/// # Safety
+/// The processor must have AVX2, `at` 8 entries, `lane` must be below 4, and the bytes must be writable.
+#[inline(always)]
+unsafe fn store_halves(base: *mut u8, at: &[u32], lane: usize, x: __m256i) {
+    // SAFETY: the caller's promise.
+    unsafe {
+        _mm_storeu_si128(base.add(lane_at(at, lane)).cast(), _mm256_castsi256_si128(x));
+        _mm_storeu_si128(base.add(lane_at(at, lane + 4)).cast(), _mm256_extracti128_si256::<1>(x));
+    }
 }
 
 /// # Safety

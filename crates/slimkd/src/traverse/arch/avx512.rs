@@ -1,6 +1,6 @@
 //! AVX-512 (F, BW, DQ, VL): 16 lanes, masks in registers of their own.
 
-use super::{Simd, four, load_row, load_two, methods, operators};
+use super::{Simd, lane_at, load_row, load_two, methods, operators};
 use std::arch::x86_64::*;
 
 const WIDTH: usize = 16;
@@ -201,48 +201,45 @@ impl Simd for Avx512 {
     }
     #[inline(always)]
     unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, index: U32) -> (U32, U32) {
+        let mut at = Indices([0; WIDTH]);
+        self.store_u32(index, &mut at.0);
+        // SAFETY: the caller's promise.
+        unsafe { self.load_pairs::<SCALE>(base, &at.0) }
+    }
+    #[inline(always)]
+    unsafe fn gather_rows<const SCALE: i32>(self, base: *const u8, index: U32) -> [U32; 4] {
+        let mut at = Indices([0; WIDTH]);
+        self.store_u32(index, &mut at.0);
+        // SAFETY: the token proves the instructions; the caller vouches for the addresses.
+        unsafe { rows(base, SCALE as usize, &at.0) }
+    }
+    #[inline(always)]
+    unsafe fn load_pairs<const SCALE: i32>(self, base: *const u8, at: &[u32]) -> (U32, U32) {
+        let at = &at[..WIDTH];
         // SAFETY: the token proves the instructions; the caller vouches for the addresses.
         unsafe {
-            let (a, b) = quarters(index);
-            let (c, d) = upper_quarters(index);
-            let a = eight::<SCALE>(base, a, b);
-            let b = eight::<SCALE>(base, c, d);
+            let (a, b) = (eight(base, SCALE as usize, at, 0), eight(base, SCALE as usize, at, 8));
             let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
             let odd = _mm512_add_epi32(even, _mm512_set1_epi32(1));
             (U32(_mm512_permutex2var_epi32(a, even, b)), U32(_mm512_permutex2var_epi32(a, odd, b)))
         }
     }
     #[inline(always)]
-    unsafe fn gather_rows<const SCALE: i32>(self, base: *const u8, index: U32) -> [U32; 4] {
+    unsafe fn load_rows(self, base: *const u8, at: &[u32]) -> [U32; 4] {
         // SAFETY: the token proves the instructions; the caller vouches for the addresses.
-        unsafe {
-            let (a, b) = quarters(index);
-            let (c, d) = upper_quarters(index);
-            let first = rows::<SCALE>(base, a[0], b[0], c[0], d[0]);
-            let second = rows::<SCALE>(base, a[1], b[1], c[1], d[1]);
-            let third = rows::<SCALE>(base, a[2], b[2], c[2], d[2]);
-            let fourth = rows::<SCALE>(base, a[3], b[3], c[3], d[3]);
-            let (low, high) = (_mm512_unpacklo_epi32(first, second), _mm512_unpackhi_epi32(first, second));
-            let (low2, high2) = (_mm512_unpacklo_epi32(third, fourth), _mm512_unpackhi_epi32(third, fourth));
-            [
-                U32(_mm512_unpacklo_epi64(low, low2)),
-                U32(_mm512_unpackhi_epi64(low, low2)),
-                U32(_mm512_unpacklo_epi64(high, high2)),
-                U32(_mm512_unpackhi_epi64(high, high2)),
-            ]
-        }
+        unsafe { rows(base, 1, &at[..WIDTH]) }
     }
     #[inline(always)]
-    unsafe fn scatter_pairs(self, mask: Bits, base: *mut u8, index: U32, lower: U32, upper: U32) {
+    unsafe fn store_rows(self, base: *mut u8, at: &[u32], [a, b, c, d]: [U32; 4]) {
+        let at = &at[..WIDTH];
         // SAFETY: the token proves the instructions; the caller vouches for the addresses.
         unsafe {
-            let front = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
-            let back = _mm512_add_epi32(front, _mm512_set1_epi32(8));
-            let a = _mm512_permutex2var_epi32(lower.0, front, upper.0);
-            let b = _mm512_permutex2var_epi32(lower.0, back, upper.0);
-            let (first, last) = (_mm512_castsi512_si256(index.0), _mm512_extracti32x8_epi32::<1>(index.0));
-            _mm512_mask_i32scatter_epi64::<8>(base.cast(), mask.0 as u8, first, a);
-            _mm512_mask_i32scatter_epi64::<8>(base.cast(), (mask.0 >> 8) as u8, last, b);
+            let (low, high) = (_mm512_unpacklo_epi32(a.0, b.0), _mm512_unpackhi_epi32(a.0, b.0));
+            let (low2, high2) = (_mm512_unpacklo_epi32(c.0, d.0), _mm512_unpackhi_epi32(c.0, d.0));
+            store_quarters(base, at, 0, _mm512_unpacklo_epi64(low, low2));
+            store_quarters(base, at, 1, _mm512_unpackhi_epi64(low, low2));
+            store_quarters(base, at, 2, _mm512_unpacklo_epi64(high, high2));
+            store_quarters(base, at, 3, _mm512_unpackhi_epi64(high, high2));
         }
     }
     #[inline(always)]
@@ -281,59 +278,83 @@ unsafe fn four_columns([a, b, c, d]: [__m512; 4]) -> [F32; 4] {
     }
 }
 
-/// Lanes 0 to 3 and 4 to 7.
-///
-/// # Safety
-/// The processor must have AVX-512.
-#[inline(always)]
-unsafe fn quarters(x: U32) -> ([u32; 4], [u32; 4]) {
-    // SAFETY: the caller's promise.
-    unsafe { (four(_mm512_castsi512_si128(x.0)), four(_mm512_extracti32x4_epi32::<1>(x.0))) }
-}
+/// Indices of all lanes on their way to scalar registers.
+#[repr(align(64))]
+struct Indices([u32; WIDTH]);
 
-/// Lanes 8 to 11 and 12 to 15.
+/// Eight times eight bytes, from `lane` on.
 ///
 /// # Safety
-/// The processor must have AVX-512.
+/// The processor must have AVX-512, `at` the lanes, and the bytes must be readable.
 #[inline(always)]
-unsafe fn upper_quarters(x: U32) -> ([u32; 4], [u32; 4]) {
-    // SAFETY: the caller's promise.
-    unsafe { (four(_mm512_extracti32x4_epi32::<2>(x.0)), four(_mm512_extracti32x4_epi32::<3>(x.0))) }
-}
-
-/// Eight times eight bytes.
-///
-/// # Safety
-/// The processor must have AVX-512, and the bytes must be readable.
-#[inline(always)]
-unsafe fn eight<const SCALE: i32>(base: *const u8, a: [u32; 4], b: [u32; 4]) -> __m512i {
+unsafe fn eight(base: *const u8, scale: usize, at: &[u32], lane: usize) -> __m512i {
     // SAFETY: the caller's promise.
     unsafe {
         let lower = _mm256_inserti128_si256::<1>(
-            _mm256_castsi128_si256(load_two(base, SCALE, a[0], a[1])),
-            load_two(base, SCALE, a[2], a[3]),
+            _mm256_castsi128_si256(load_two(base, scale, at, lane)),
+            load_two(base, scale, at, lane + 2),
         );
         let upper = _mm256_inserti128_si256::<1>(
-            _mm256_castsi128_si256(load_two(base, SCALE, b[0], b[1])),
-            load_two(base, SCALE, b[2], b[3]),
+            _mm256_castsi128_si256(load_two(base, scale, at, lane + 4)),
+            load_two(base, scale, at, lane + 6),
         );
         _mm512_inserti64x4::<1>(_mm512_castsi256_si512(lower), upper)
     }
 }
 
-/// Four times sixteen bytes.
+/// Sixteen times sixteen bytes, as columns.
 ///
 /// # Safety
-/// The processor must have AVX-512, and the bytes must be readable.
+/// The processor must have AVX-512, `at` 16 entries, and the bytes must be readable.
 #[inline(always)]
-unsafe fn rows<const SCALE: i32>(base: *const u8, a: u32, b: u32, c: u32, d: u32) -> __m512i {
+unsafe fn rows(base: *const u8, scale: usize, at: &[u32]) -> [U32; 4] {
     // SAFETY: the caller's promise.
     unsafe {
-        let lower = _mm512_inserti32x4::<1>(
-            _mm512_castsi128_si512(load_row(base, SCALE, a)),
-            load_row(base, SCALE, b),
+        let (first, second) = (quarters(base, scale, at, 0), quarters(base, scale, at, 1));
+        let (third, fourth) = (quarters(base, scale, at, 2), quarters(base, scale, at, 3));
+        let (low, high) = (_mm512_unpacklo_epi32(first, second), _mm512_unpackhi_epi32(first, second));
+        let (low2, high2) = (_mm512_unpacklo_epi32(third, fourth), _mm512_unpackhi_epi32(third, fourth));
+        [
+            U32(_mm512_unpacklo_epi64(low, low2)),
+            U32(_mm512_unpackhi_epi64(low, low2)),
+            U32(_mm512_unpacklo_epi64(high, high2)),
+            U32(_mm512_unpackhi_epi64(high, high2)),
+        ]
+    }
+}
+
+/// Four times sixteen bytes: of `lane` and every fourth one after it.
+///
+/// # Safety
+/// As [`rows`]; `lane` below 4.
+#[inline(always)]
+unsafe fn quarters(base: *const u8, scale: usize, at: &[u32], lane: usize) -> __m512i {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let lower = _mm256_inserti128_si256::<1>(
+            _mm256_castsi128_si256(load_row(base, scale, at, lane)),
+            load_row(base, scale, at, lane + 4),
         );
-        let most = _mm512_inserti32x4::<2>(lower, load_row(base, SCALE, c));
-        _mm512_inserti32x4::<3>(most, load_row(base, SCALE, d))
+        let upper = _mm256_inserti128_si256::<1>(
+            _mm256_castsi128_si256(load_row(base, scale, at, lane + 8)),
+            load_row(base, scale, at, lane + 12),
+        );
+        _mm512_inserti64x4::<1>(_mm512_castsi256_si512(lower), upper)
+    }
+}
+
+/// Writes the four quarters of a vector where `lane` and every fourth one after it belong.
+///
+/// # Safety
+/// The processor must have AVX-512, `at` 16 entries, `lane` must be below 4, and the bytes must be writable.
+#[inline(always)]
+unsafe fn store_quarters(base: *mut u8, at: &[u32], lane: usize, x: __m512i) {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let to = |lane| base.add(lane_at(at, lane)).cast::<__m128i>();
+        _mm_storeu_si128(to(lane), _mm512_castsi512_si128(x));
+        _mm_storeu_si128(to(lane + 4), _mm512_extracti32x4_epi32::<1>(x));
+        _mm_storeu_si128(to(lane + 8), _mm512_extracti32x4_epi32::<2>(x));
+        _mm_storeu_si128(to(lane + 12), _mm512_extracti32x4_epi32::<3>(x));
     }
 }

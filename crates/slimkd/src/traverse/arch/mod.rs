@@ -183,30 +183,44 @@ pub(crate) trait Simd: Copy + Send + Sync + 'static {
         }
     }
 
-    /// Writes eight bytes, lower and upper u32, to `base + index · 8` where the mask says so. Lanes go in order.
+    /// As [`Simd::gather_pairs`], of indices that lie in memory. Panics when there are fewer than lanes.
     ///
     /// # Safety
-    /// Those bytes must be writable, and every index below 2³¹.
+    /// As [`Simd::gather_pairs`].
     #[inline(always)]
-    unsafe fn scatter_pairs(
-        self,
-        mask: Self::M,
-        base: *mut u8,
-        index: Self::U,
-        lower: Self::U,
-        upper: Self::U,
-    ) {
-        let (mut at, mut low, mut high) = ([0; 16], [0; 16], [0; 16]);
-        self.store_u32(index, &mut at);
-        self.store_u32(lower, &mut low);
-        self.store_u32(upper, &mut high);
-        let mut bits = self.bits(mask);
-        while bits != 0 {
-            let lane = bits.trailing_zeros() as usize & 15;
-            bits &= bits - 1;
-            let word = u64::from(low[lane]) | u64::from(high[lane]) << 32;
+    unsafe fn load_pairs<const SCALE: i32>(self, base: *const u8, at: &[u32]) -> (Self::U, Self::U) {
+        // SAFETY: the caller's promise.
+        unsafe { self.gather_pairs::<SCALE>(base, self.load_u32(at)) }
+    }
+
+    /// As [`Simd::gather_rows`], of offsets in bytes that lie in memory. Panics when there are fewer than lanes.
+    ///
+    /// # Safety
+    /// As [`Simd::gather_rows`].
+    #[inline(always)]
+    unsafe fn load_rows(self, base: *const u8, at: &[u32]) -> [Self::U; 4] {
+        // SAFETY: the caller's promise.
+        unsafe { self.gather_rows::<1>(base, self.load_u32(at)) }
+    }
+
+    /// Writes sixteen bytes a lane to `base + at`, offsets in bytes. In any order, so places should not overlap. Panics
+    /// when there are fewer offsets than lanes.
+    ///
+    /// # Safety
+    /// Every lane's sixteen bytes must be writable.
+    #[inline(always)]
+    unsafe fn store_rows(self, base: *mut u8, at: &[u32], rows: [Self::U; 4]) {
+        let at = &at[..Self::WIDTH];
+        let mut columns = [[0; 16]; 4];
+        self.store_u32(rows[0], &mut columns[0]);
+        self.store_u32(rows[1], &mut columns[1]);
+        self.store_u32(rows[2], &mut columns[2]);
+        self.store_u32(rows[3], &mut columns[3]);
+        for lane in 0..Self::WIDTH {
+            let [a, b, c, d] = columns;
+            let row = [a[lane], b[lane], c[lane], d[lane]];
             // SAFETY: the caller's promise.
-            unsafe { base.add(8 * at[lane] as usize).cast::<u64>().write_unaligned(word.to_le()) };
+            unsafe { base.add(at[lane] as usize).cast::<[u32; 4]>().write_unaligned(row) };
         }
     }
 
@@ -218,43 +232,48 @@ pub(crate) trait Simd: Copy + Send + Sync + 'static {
     }
 }
 
-/// The 8 bytes at `base + a · scale`, then those at `base + b · scale`.
+/// An index of a lane, from memory.
+///
+/// Volatile, because the compiler would else take the indices out of the vector that was just stored there: seven
+/// instructions for four lanes, where a load a lane costs one.
+///
+/// # Safety
+/// `at` must have more than `lane` entries.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+unsafe fn lane_at(at: &[u32], lane: usize) -> usize {
+    debug_assert!(lane < at.len());
+    // SAFETY: the caller's promise.
+    unsafe { at.as_ptr().add(lane).read_volatile() as usize }
+}
+
+/// The 8 bytes at `base + at[lane] · scale`, then those of the next lane.
 ///
 /// Plain loads, though there are gather instructions: with the usual microcode against data sampling one of those takes
 /// 24 cycles whatever its width (Ice Lake), and without it about as long as the loads it stands for.
 ///
 /// # Safety
-/// They must be readable.
+/// `at` must have both lanes, and the bytes must be readable.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-unsafe fn load_two(base: *const u8, scale: i32, a: u32, b: u32) -> std::arch::x86_64::__m128i {
+unsafe fn load_two(base: *const u8, scale: usize, at: &[u32], lane: usize) -> std::arch::x86_64::__m128i {
     use std::arch::x86_64::*;
     // SAFETY: the caller's promise; SSE2 is part of x86-64.
     unsafe {
-        let (a, b) = (base.add(a as usize * scale as usize), base.add(b as usize * scale as usize));
+        let (a, b) = (base.add(lane_at(at, lane) * scale), base.add(lane_at(at, lane + 1) * scale));
         _mm_castpd_si128(_mm_loadh_pd(_mm_castsi128_pd(_mm_loadl_epi64(a.cast())), b.cast()))
     }
 }
 
-/// The 16 bytes at `base + at · scale`.
+/// The 16 bytes at `base + at[lane] · scale`.
 ///
 /// # Safety
-/// They must be readable.
+/// `at` must have the lane, and the bytes must be readable.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-unsafe fn load_row(base: *const u8, scale: i32, at: u32) -> std::arch::x86_64::__m128i {
+unsafe fn load_row(base: *const u8, scale: usize, at: &[u32], lane: usize) -> std::arch::x86_64::__m128i {
     // SAFETY: the caller's promise; SSE2 is part of x86-64.
-    unsafe { std::arch::x86_64::_mm_loadu_si128(base.add(at as usize * scale as usize).cast()) }
-}
-
-/// The four u32 of a vector of 128 bits.
-#[cfg(target_arch = "x86_64")]
-#[inline(always)]
-fn four(x: std::arch::x86_64::__m128i) -> [u32; 4] {
-    use std::arch::x86_64::*;
-    // SAFETY: SSE2 is part of x86-64.
-    let (low, high) = unsafe { (_mm_cvtsi128_si64(x), _mm_cvtsi128_si64(_mm_unpackhi_epi64(x, x))) };
-    [low as u32, (low as u64 >> 32) as u32, high as u32, (high as u64 >> 32) as u32]
+    unsafe { std::arch::x86_64::_mm_loadu_si128(base.add(lane_at(at, lane) * scale).cast()) }
 }
 
 /// Operators of vectors that are one expression of intrinsics.

@@ -1,6 +1,6 @@
 //! SSE2: 4 lanes, what every x86-64 has. Gathers, permutes and compression go through memory.
 
-use super::{Simd, four, load_row, load_two, methods, operators};
+use super::{Simd, load_row, load_two, methods, operators};
 use std::arch::x86_64::*;
 use std::array::from_fn;
 
@@ -209,11 +209,11 @@ impl Simd for Sse2 {
     }
     #[inline(always)]
     unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, index: U32) -> (U32, U32) {
+        let (at, scale) = (self.lanes(index), SCALE as usize);
         // SAFETY: the token proves the instructions; the caller vouches for the addresses.
         unsafe {
-            let at = four(index.0);
-            let a = _mm_castsi128_ps(load_two(base, SCALE, at[0], at[1]));
-            let b = _mm_castsi128_ps(load_two(base, SCALE, at[2], at[3]));
+            let a = _mm_castsi128_ps(load_two(base, scale, &at, 0));
+            let b = _mm_castsi128_ps(load_two(base, scale, &at, 2));
             let even = _mm_shuffle_ps::<0b10_00_10_00>(a, b);
             let odd = _mm_shuffle_ps::<0b11_01_11_01>(a, b);
             (U32(_mm_castps_si128(even)), U32(_mm_castps_si128(odd)))
@@ -221,11 +221,11 @@ impl Simd for Sse2 {
     }
     #[inline(always)]
     unsafe fn gather_rows<const SCALE: i32>(self, base: *const u8, index: U32) -> [U32; 4] {
+        let (at, scale) = (self.lanes(index), SCALE as usize);
         // SAFETY: the token proves the instructions; the caller vouches for the addresses.
         unsafe {
-            let at = four(index.0);
-            let (first, second) = (load_row(base, SCALE, at[0]), load_row(base, SCALE, at[1]));
-            let (third, fourth) = (load_row(base, SCALE, at[2]), load_row(base, SCALE, at[3]));
+            let (first, second) = (load_row(base, scale, &at, 0), load_row(base, scale, &at, 1));
+            let (third, fourth) = (load_row(base, scale, &at, 2), load_row(base, scale, &at, 3));
             let (low, high) = (_mm_unpacklo_epi32(first, second), _mm_unpackhi_epi32(first, second));
             let (low2, high2) = (_mm_unpacklo_epi32(third, fourth), _mm_unpackhi_epi32(third, fourth));
             [

@@ -84,7 +84,7 @@ impl Kernel for Everything {
         }
 
         let bytes: Vec<u8> = (0..256u32).map(|i| (i.wrapping_mul(97) >> 2) as u8).collect();
-        // SAFETY: the largest index is 15 · 5 + 8 bytes, 15 · 8 + 8, 15 · 4 + 16; all lie in the 256 bytes.
+        // SAFETY: the largest place is 15 · 5 + 8 bytes, 15 · 8 + 16, 15 · 4 + 16; all lie in the 256 bytes.
         unsafe {
             put_u32(s, s.gather_u32::<4>(bytes.as_ptr(), from), &mut out);
             put(s, s.gather::<4>(bytes.as_ptr(), from), &mut out);
@@ -97,10 +97,16 @@ impl Kernel for Everything {
             for word in s.gather_rows::<4>(bytes.as_ptr(), from) {
                 put_u32(s, word, &mut out);
             }
+            let mut at = [0; LANES];
+            s.store_u32(from << 3, &mut at);
+            let (low, high) = s.load_pairs::<1>(bytes.as_ptr(), &at);
+            let rows = s.load_rows(bytes.as_ptr(), &at);
+            for word in [low, high].into_iter().chain(rows) {
+                put_u32(s, word, &mut out);
+            }
             let mut words = [7u64; 2 * LANES];
-            // Lanes that meet at one place: the last one wins.
-            let to = (u >> 5) & s.u32s(31);
-            s.scatter_pairs(s.lt(a, b), words.as_mut_ptr().cast(), to, u, v);
+            let at: [u32; LANES] = std::array::from_fn(|i| 16 * ((5 * i + self.shift) % LANES) as u32);
+            s.store_rows(words.as_mut_ptr().cast(), &at, [u, v, u ^ v, u + v]);
             out.extend(words);
         }
         let table = std::array::from_fn(|i| i as f32);

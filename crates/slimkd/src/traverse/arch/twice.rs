@@ -195,4 +195,30 @@ impl<S: Simd> Simd for Twice<S> {
         };
         [Pair(a, e), Pair(b, f), Pair(c, g), Pair(d, h)]
     }
+    #[inline(always)]
+    unsafe fn load_pairs<const SCALE: i32>(self, base: *const u8, at: &[u32]) -> (Self::U, Self::U) {
+        let (lower, upper) = at.split_at(S::WIDTH);
+        // SAFETY: the caller's promise covers both halves.
+        let (a, b) = unsafe {
+            (self.0.load_pairs::<SCALE>(base, lower), self.0.load_pairs::<SCALE>(base, upper))
+        };
+        (Pair(a.0, b.0), Pair(a.1, b.1))
+    }
+    #[inline(always)]
+    unsafe fn load_rows(self, base: *const u8, at: &[u32]) -> [Self::U; 4] {
+        let (lower, upper) = at.split_at(S::WIDTH);
+        // SAFETY: the caller's promise covers both halves.
+        let ([a, b, c, d], [e, f, g, h]) =
+            unsafe { (self.0.load_rows(base, lower), self.0.load_rows(base, upper)) };
+        [Pair(a, e), Pair(b, f), Pair(c, g), Pair(d, h)]
+    }
+    #[inline(always)]
+    unsafe fn store_rows(self, base: *mut u8, at: &[u32], [a, b, c, d]: [Self::U; 4]) {
+        let (lower, upper) = at.split_at(S::WIDTH);
+        // SAFETY: the caller's promise covers both halves.
+        unsafe {
+            self.0.store_rows(base, lower, [a.0, b.0, c.0, d.0]);
+            self.0.store_rows(base, upper, [a.1, b.1, c.1, d.1]);
+        }
+    }
 }

@@ -81,8 +81,8 @@ impl Queue {
                     let count = self.leaves.min(16);
                     self.leaves -= count;
                     slot = s.load_u32(&self.slot[self.leaves..]);
-                    let address = s.load_u32(&self.address[self.leaves..]);
-                    reading = Some(nodes.open(s, s.mask((1 << count) - 1), address));
+                    let valid = s.mask((1 << count) - 1);
+                    reading = Some(nodes.open(s, valid, &self.address[self.leaves..]));
                     continue;
                 }
                 if !all || self.pairs == 0 {

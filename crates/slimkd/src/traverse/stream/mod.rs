@@ -13,9 +13,8 @@
 //! Why the hits are those of the single kernel, to the last bit
 //! 1. Every node that the single kernel visits is visited: the decisions at a split are the same, in the same f32
 //!    operations. Going on before a leaf is tested means a later limit, never an earlier one.
-//! 2. The stack has no place for where an interval ends. It ends where the entry below begins, but for the width of two
-//!    slabs: `margin`, three times the ray's widest one, covers that and what rounding adds. So intervals end late, never
-//!    early. By the same margin a ray is over when the entry on top begins behind its limit (`cut`).
+//! 2. A ray is over when the entry on top of its stack begins behind its limit by more than entries may overlap: the
+//!    width of two slabs, and what rounding adds (`margin`, three times the ray's widest one, gives `cut`).
 //! 3. The triangle test is `Sheared`'s, f32 rejection and f64 decision, operation by operation. Which of two hits is
 //!    nearer does not depend on the order in which they come: equal t goes to the lowest id.
 
@@ -56,10 +55,10 @@ impl<N: LaneNodes, A: Answers> Kernel for Stream<'_, N, A> {
     #[inline(always)]
     fn run<S: Simd>(mut self, s: S) {
         let planes = self.nodes.planes();
-        let root = self.nodes.fetch(s, s.u32s(0));
-        let mut slots = Slots::new();
-        let mut queue = Queue::new();
+        let root = self.nodes.fetch(s, &[0; 16]);
         let mut stack = Stack::new(self.depth);
+        let mut slots = Slots::new(&stack);
+        let mut queue = Queue::new();
         let mut ready = Prepared::new();
         let mut next = 0;
         loop {
@@ -75,7 +74,7 @@ impl<N: LaneNodes, A: Answers> Kernel for Stream<'_, N, A> {
                     if slots.live[group] == 0xffff {
                         group += 1;
                     } else if !ready.is_empty() {
-                        slots.fill(s, group, &mut ready, root, &mut stack);
+                        slots.fill(s, group, &mut ready, root, &stack);
                     } else if next < self.rays.len() {
                         ready.load(s, self.rays, next, self.bounds, &planes, &mut self.answers);
                         next += 16;

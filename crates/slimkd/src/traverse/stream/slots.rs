@@ -6,6 +6,7 @@ use super::walk::Stack;
 use crate::traverse::Hit;
 use crate::traverse::arch::Simd;
 use crate::traverse::counters::count;
+use crate::traverse::prepared::larger;
 
 /// Rays in flight: two groups of 16 lanes.
 pub(super) const SLOTS: usize = 32;
@@ -28,16 +29,14 @@ pub(super) struct Slots {
     pub(super) upper: Each<u32>,
     pub(super) enter: Each<f32>,
     pub(super) exit: Each<f32>,
-    /// Place of the next entry on the stack.
+    /// The entry on top of the stack, bytes.
     pub(super) top: Each<u32>,
-    /// Place of the lowest entry on the stack: where the ray ends.
-    pub(super) bottom: Each<u32>,
     /// The end of what still matters, scaled units.
     pub(super) limit: Each<f32>,
     /// Nothing on the stack matters once an entry begins behind this.
     pub(super) cut: Each<f32>,
     /// How far an interval may reach into its neighbour.
-    pub(super) margin: Each<f32>,
+    margin: Each<f32>,
 
     pub(super) origin: [Each<f32>; 3],
     pub(super) inverse: [Each<f32>; 3],
@@ -61,7 +60,7 @@ pub(super) struct Slots {
 
 impl Slots {
     #[inline(always)]
-    pub(super) fn new() -> Self {
+    pub(super) fn new(stack: &Stack) -> Self {
         let (none, zero) = (Each([0.0; SLOTS]), Each([0; SLOTS]));
         Self {
             live: [0; 2],
@@ -71,8 +70,7 @@ impl Slots {
             upper: zero,
             enter: none,
             exit: none,
-            top: Each([1; SLOTS]),
-            bottom: Each([1; SLOTS]),
+            top: stack.bottoms(),
             limit: none,
             cut: none,
             margin: none,
@@ -124,7 +122,7 @@ impl Slots {
         group: usize,
         ready: &mut Prepared,
         root: (S::U, S::U),
-        stack: &mut Stack,
+        stack: &Stack,
     ) {
         let at = 16 * group;
         let (mut empty, mut filled) = (!self.live[group] & 0xffff, 0u32);
@@ -135,7 +133,7 @@ impl Slots {
             filled |= 1 << lane;
             let slot = at + lane;
             let ray = &*ready;
-            self.bottom.0[slot] = stack.begin(slot, ray.exit.0[from]);
+            self.top.0[slot] = stack.bottom(slot);
             self.enter.0[slot] = ray.enter.0[from];
             self.exit.0[slot] = ray.exit.0[from];
             self.limit.0[slot] = ray.limit.0[from];
@@ -162,13 +160,13 @@ impl Slots {
         self.live[group] |= filled;
         self.held |= filled << at;
         let new = s.mask(filled);
-        let cut = s.load(&self.limit.0[at..]) + s.load(&self.margin.0[at..]);
+        let limit = s.load(&self.limit.0[at..]);
+        let cut = s.larger(limit + s.load(&self.margin.0[at..]), limit);
         let cut = s.select(new, cut, s.load(&self.cut.0[at..]));
         s.store(cut, &mut self.cut.0[at..]);
         set(s, new, s.u32s(0), &mut self.address, at);
         set(s, new, root.0, &mut self.lower, at);
         set(s, new, root.1, &mut self.upper, at);
-        set(s, new, s.load_u32(&self.bottom.0[at..]) + s.u32s(1), &mut self.top, at);
         set(s, new, s.u32s(u32::MAX), &mut self.best_triangle, at);
     }
 
@@ -185,7 +183,8 @@ impl Slots {
             self.best_triangle.0[slot] = hit.triangle;
             let limit = if A::ANY { f32::NEG_INFINITY } else { hit.t * self.scale.0[slot] };
             self.limit.0[slot] = limit;
-            self.cut.0[slot] = limit + self.margin.0[slot];
+            // Not the sum where that is NaN, infinity and its opposite.
+            self.cut.0[slot] = larger(limit + self.margin.0[slot], limit);
         }
     }
 }

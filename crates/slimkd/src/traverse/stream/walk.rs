@@ -8,13 +8,22 @@ use crate::tree::{LaneNodes, LaneStep};
 
 /// Deepest tree whose stack stands in the frame.
 const SMALL_DEPTH: usize = 64;
-/// Entries below a ray's first: one that is only read, one for the ray's end.
+/// Entries of a slot beside its far children: one below all that says that the stack is empty, and one to write over,
+/// since every lane writes an entry and only some keep it.
 const GUARDS: usize = 2;
+/// Bytes of an entry.
+const ENTRY: u32 = size_of::<Entry>() as u32;
 
-/// Far children to come back to: (address, where the ray enters it), slot after slot.
+/// A far child to come back to: address, where the ray enters and leaves it, nothing. Written and read as a whole, in
+/// one access: a load that spans two stores waits for both to reach the cache.
+#[derive(Clone, Copy)]
+#[repr(align(16))]
+struct Entry(#[expect(dead_code, reason = "accessed through pointers")] [u32; 4]);
+
+/// Far children, slot after slot.
 pub(super) struct Stack {
-    small: [u64; SLOTS * (SMALL_DEPTH + GUARDS)],
-    large: Vec<u64>,
+    small: [Entry; SLOTS * (SMALL_DEPTH + GUARDS)],
+    large: Vec<Entry>,
     /// Entries of a slot.
     room: usize,
 }
@@ -22,30 +31,36 @@ pub(super) struct Stack {
 impl Stack {
     #[inline(always)]
     pub(super) fn new(depth: u32) -> Self {
+        // No ray enters it: that ends a ray.
+        let empty = Entry([0, f32::NAN.to_bits(), 0, 0]);
         let large = if depth as usize <= SMALL_DEPTH {
             Vec::new()
         } else {
-            vec![0; SLOTS * (depth as usize + GUARDS)]
+            vec![empty; SLOTS * (depth as usize + GUARDS)]
         };
-        Self {
-            small: [0; SLOTS * (SMALL_DEPTH + GUARDS)],
-            large,
-            room: SMALL_DEPTH.max(depth as usize) + GUARDS,
+        let small = [empty; SLOTS * (SMALL_DEPTH + GUARDS)];
+        Self { small, large, room: SMALL_DEPTH.max(depth as usize) + GUARDS }
+    }
+
+    #[inline(always)]
+    fn base(&mut self) -> *mut u8 {
+        if self.large.is_empty() { self.small.as_mut_ptr().cast() } else { self.large.as_mut_ptr().cast() }
+    }
+
+    /// A slot's lowest entry, bytes.
+    #[inline(always)]
+    pub(super) fn bottom(&self, slot: usize) -> u32 {
+        (slot * self.room) as u32 * ENTRY
+    }
+
+    /// All slots' [`Stack::bottom`].
+    #[inline(always)]
+    pub(super) fn bottoms(&self) -> Each<u32> {
+        let mut bottoms = Each([0; SLOTS]);
+        for slot in 0..SLOTS {
+            bottoms.0[slot] = self.bottom(slot);
         }
-    }
-
-    #[inline(always)]
-    fn base(&mut self) -> *mut u64 {
-        if self.large.is_empty() { self.small.as_mut_ptr() } else { self.large.as_mut_ptr() }
-    }
-
-    /// Empties a slot's stack; the ray ends at `exit`. Returns the place of its lowest entry.
-    #[inline(always)]
-    pub(super) fn begin(&mut self, slot: usize, exit: f32) -> u32 {
-        let entries = if self.large.is_empty() { &mut self.small[..] } else { &mut self.large[..] };
-        let first = slot * self.room;
-        entries[first + 1] = u64::from(exit.to_bits()) << 32;
-        (first + 1) as u32
+        bottoms
     }
 }
 
@@ -96,34 +111,31 @@ pub(super) fn step<S: Simd, N: LaneNodes>(
     let down = s.lt(inverse, s.f32s(0.0));
     let right = left + stride;
     let (near, far) = (s.select_u32(down, right, left), s.select_u32(down, left, right));
-    // SAFETY: a ray has at most as many entries as the tree is deep, so its next place lies on the stack.
-    unsafe {
-        let entry = s.cast_u32(s.larger(first, enter));
-        s.scatter_pairs(both, stack.base().cast(), top, far, entry);
-    }
+    let top_at = &slots.top.0[at..];
+    // SAFETY: a ray has at most as many entries as the tree is deep, and there are guards below and above.
+    let [popped, popped_enter, popped_exit, _] = unsafe {
+        let popped = s.load_rows(stack.base(), top_at);
+        let entry = [far, s.cast_u32(s.larger(first, enter)), s.cast_u32(exit), far];
+        s.store_rows(stack.base().add(ENTRY as usize), top_at, entry);
+        popped
+    };
+    let (popped_enter, popped_exit) = (s.cast_f32(popped_enter), s.cast_f32(popped_exit));
 
-    // All others take what their stack has; the entry below says where that ends.
+    // Who does not descend takes what its stack has.
     let pop = live & !inner;
-    let bottom = s.load_u32(&slots.bottom.0[at..]);
-    let under = s.select_u32(live, top - s.u32s(1), bottom);
-    // SAFETY: a live ray's stack is at most empty, so there are the two guards below its next place.
-    let [_, below, popped, popped_enter] =
-        unsafe { s.gather_rows::<8>(stack.base().cast(), under - s.u32s(1)) };
-    let (below, popped_enter) = (s.cast_f32(below), s.cast_f32(popped_enter));
-    let emptied = pop & (s.eq_u32(under, bottom) | s.lt(s.load(&slots.cut.0[at..]), popped_enter));
+    let emptied = pop & !s.le(popped_enter, s.load(&slots.cut.0[at..]));
     slots.live[group] &= !s.bits(emptied);
+    let entries = s.u32s(ENTRY);
+    let top = s.select_u32(both, top + entries, s.select_u32(pop & !emptied, top - entries, top));
+    s.store_u32(top, &mut slots.top.0[at..]);
 
     let descended = s.select_u32(far_only, far, near);
     let narrowed = s.select(both, s.smaller(last, exit), exit);
-    let margin = s.load(&slots.margin.0[at..]);
-    let address = s.select_u32(inner, descended, popped);
-    s.store_u32(address, &mut slots.address.0[at..]);
+    s.store_u32(s.select_u32(inner, descended, popped), &mut slots.address.0[at..]);
     s.store(s.select(inner, enter, popped_enter), &mut slots.enter.0[at..]);
-    s.store(s.select(inner, narrowed, below + margin), &mut slots.exit.0[at..]);
-    let pushed = s.select_u32(both, top + s.u32s(1), top);
-    s.store_u32(s.select_u32(inner, pushed, under), &mut slots.top.0[at..]);
+    s.store(s.select(inner, narrowed, popped_exit), &mut slots.exit.0[at..]);
     // Read here for the next step: the other group's step hides the memory's latency.
-    let (lower, upper) = nodes.fetch(s, address);
+    let (lower, upper) = nodes.fetch(s, &slots.address.0[at..]);
     s.store_u32(lower, &mut slots.lower.0[at..]);
     s.store_u32(upper, &mut slots.upper.0[at..]);
 }

@@ -24,9 +24,9 @@ impl LaneNodes for DenseView<'_> {
     }
 
     #[inline(always)]
-    fn fetch<S: Simd>(self, s: S, address: S::U) -> (S::U, S::U) {
+    fn fetch<S: Simd>(self, s: S, addresses: &[u32]) -> (S::U, S::U) {
         // SAFETY: a node of a proven tree lies before the padding, so 8 bytes from there are inside.
-        unsafe { s.gather_pairs::<1>(self.bytes.as_ptr(), address) }
+        unsafe { s.load_pairs::<1>(self.bytes.as_ptr(), addresses) }
     }
 
     #[inline(always)]
@@ -52,8 +52,9 @@ impl LaneNodes for DenseView<'_> {
     }
 
     #[inline(always)]
-    fn open<S: Simd>(self, s: S, valid: S::M, address: S::U) -> Leaves<S> {
-        let (count, first, many) = self.code.lanes(s, self.fetch(s, address).0);
+    fn open<S: Simd>(self, s: S, valid: S::M, addresses: &[u32]) -> Leaves<S> {
+        let address = s.load_u32(addresses);
+        let (count, first, many) = self.code.lanes(s, self.fetch(s, addresses).0);
         let many = many & valid;
         let mut codes = address + s.u32s(self.code.header_bytes);
         let mut left = count;

@@ -24,9 +24,9 @@ impl LaneNodes for PlainView<'_> {
     }
 
     #[inline(always)]
-    fn fetch<S: Simd>(self, s: S, address: S::U) -> (S::U, S::U) {
+    fn fetch<S: Simd>(self, s: S, addresses: &[u32]) -> (S::U, S::U) {
         // SAFETY: addresses of a proven tree lie inside the array; a node is 8 bytes.
-        unsafe { s.gather_pairs::<8>(self.nodes.as_ptr().cast(), address) }
+        unsafe { s.load_pairs::<8>(self.nodes.as_ptr().cast(), addresses) }
     }
 
     #[inline(always)]
@@ -57,8 +57,8 @@ impl LaneNodes for PlainView<'_> {
     }
 
     #[inline(always)]
-    fn open<S: Simd>(self, s: S, valid: S::M, address: S::U) -> Leaves<S> {
-        let (lower, upper) = self.fetch(s, address);
+    fn open<S: Simd>(self, s: S, valid: S::M, addresses: &[u32]) -> Leaves<S> {
+        let (lower, upper) = self.fetch(s, addresses);
         let (is_2byte, count, shared) = Packed::lanes_mode(s, upper);
         let left = s.select_u32(valid, count, s.u32s(0));
         Leaves { is_2byte, at: lower >> 3, left, upper: shared }
