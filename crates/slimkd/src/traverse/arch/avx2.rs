@@ -218,10 +218,8 @@ impl Simd for Avx2 {
         // SAFETY: the token proves the instructions; the caller vouches for the addresses.
         unsafe {
             // Lanes 0 1 4 5 and 2 3 6 7, so that shuffling inside of halves puts them in order.
-            let a =
-                _mm256_castsi256_ps(both(load_two(base, scale, at, 0), load_two(base, scale, at, 4)));
-            let b =
-                _mm256_castsi256_ps(both(load_two(base, scale, at, 2), load_two(base, scale, at, 6)));
+            let a = _mm256_castsi256_ps(both(load_two(base, scale, at, 0), load_two(base, scale, at, 4)));
+            let b = _mm256_castsi256_ps(both(load_two(base, scale, at, 2), load_two(base, scale, at, 6)));
             let even = _mm256_shuffle_ps::<0b10_00_10_00>(a, b);
             let odd = _mm256_shuffle_ps::<0b11_01_11_01>(a, b);
             (U32(_mm256_castps_si256(even)), U32(_mm256_castps_si256(odd)))
@@ -243,6 +241,22 @@ impl Simd for Avx2 {
             store_halves(base, at, 1, _mm256_unpackhi_epi64(low, low2));
             store_halves(base, at, 2, _mm256_unpacklo_epi64(high, high2));
             store_halves(base, at, 3, _mm256_unpackhi_epi64(high, high2));
+        }
+    }
+    #[inline(always)]
+    fn pick(self, table: &[f32; 32], index: U32) -> F32 {
+        // SAFETY: the token proves the instructions; the table has 32 entries. Permuting looks at three bits of an index,
+        // blending at the sign.
+        unsafe {
+            let mut eight = [_mm256_setzero_ps(); 4];
+            for i in 0..4 {
+                eight[i] = _mm256_permutevar8x32_ps(_mm256_loadu_ps(table.as_ptr().add(8 * i)), index.0);
+            }
+            let third = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(index.0));
+            let fourth = _mm256_castsi256_ps(_mm256_slli_epi32::<27>(index.0));
+            let low = _mm256_blendv_ps(eight[0], eight[1], third);
+            let high = _mm256_blendv_ps(eight[2], eight[3], third);
+            F32(_mm256_blendv_ps(low, high, fourth))
         }
     }
 }

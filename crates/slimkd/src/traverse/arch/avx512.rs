@@ -331,15 +331,11 @@ unsafe fn rows(base: *const u8, scale: usize, at: &[u32]) -> [U32; 4] {
 unsafe fn quarters(base: *const u8, scale: usize, at: &[u32], lane: usize) -> __m512i {
     // SAFETY: the caller's promise.
     unsafe {
-        let lower = _mm256_inserti128_si256::<1>(
-            _mm256_castsi128_si256(load_row(base, scale, at, lane)),
-            load_row(base, scale, at, lane + 4),
-        );
-        let upper = _mm256_inserti128_si256::<1>(
-            _mm256_castsi128_si256(load_row(base, scale, at, lane + 8)),
-            load_row(base, scale, at, lane + 12),
-        );
-        _mm512_inserti64x4::<1>(_mm512_castsi256_si512(lower), upper)
+        // Broadcast under a mask: a load does it, where an insertion is a shuffle besides.
+        let x = _mm512_castsi128_si512(load_row(base, scale, at, lane));
+        let x = _mm512_mask_broadcast_i32x4(x, 0x00f0, load_row(base, scale, at, lane + 4));
+        let x = _mm512_mask_broadcast_i32x4(x, 0x0f00, load_row(base, scale, at, lane + 8));
+        _mm512_mask_broadcast_i32x4(x, 0xf000, load_row(base, scale, at, lane + 12))
     }
 }
 

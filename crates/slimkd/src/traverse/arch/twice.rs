@@ -199,9 +199,8 @@ impl<S: Simd> Simd for Twice<S> {
     unsafe fn load_pairs<const SCALE: i32>(self, base: *const u8, at: &[u32]) -> (Self::U, Self::U) {
         let (lower, upper) = at.split_at(S::WIDTH);
         // SAFETY: the caller's promise covers both halves.
-        let (a, b) = unsafe {
-            (self.0.load_pairs::<SCALE>(base, lower), self.0.load_pairs::<SCALE>(base, upper))
-        };
+        let (a, b) =
+            unsafe { (self.0.load_pairs::<SCALE>(base, lower), self.0.load_pairs::<SCALE>(base, upper)) };
         (Pair(a.0, b.0), Pair(a.1, b.1))
     }
     #[inline(always)]
@@ -220,5 +219,9 @@ impl<S: Simd> Simd for Twice<S> {
             self.0.store_rows(base, lower, [a.0, b.0, c.0, d.0]);
             self.0.store_rows(base, upper, [a.1, b.1, c.1, d.1]);
         }
+    }
+    #[inline(always)]
+    fn pick(self, table: &[f32; 32], index: Self::U) -> Self::F {
+        Pair(self.0.pick(table, index.0), self.0.pick(table, index.1))
     }
 }

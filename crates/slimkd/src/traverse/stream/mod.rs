@@ -74,7 +74,7 @@ impl<N: LaneNodes, A: Answers> Kernel for Stream<'_, N, A> {
                     if slots.live[group] == 0xffff {
                         group += 1;
                     } else if !ready.is_empty() {
-                        slots.fill(s, group, &mut ready, root, &stack);
+                        slots.fill(s, group, &mut ready, root);
                     } else if next < self.rays.len() {
                         ready.load(s, self.rays, next, self.bounds, &planes, &mut self.answers);
                         next += 16;

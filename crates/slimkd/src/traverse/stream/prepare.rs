@@ -70,15 +70,17 @@ impl Prepared {
         self.waiting == 0
     }
 
-    /// The lane of the next ray.
+    /// Takes waiting rays for the lanes in `empty`: which of them get one, and the lane that each of those comes from.
     #[inline(always)]
-    pub(super) fn take(&mut self) -> Option<usize> {
-        if self.waiting == 0 {
-            return None;
+    pub(super) fn take(&mut self, mut empty: u32) -> (u32, [u32; 16]) {
+        let (mut filled, mut from) = (0, [0; 16]);
+        while empty != 0 && self.waiting != 0 {
+            from[empty.trailing_zeros() as usize & 15] = self.waiting.trailing_zeros();
+            filled |= empty & empty.wrapping_neg();
+            empty &= empty - 1;
+            self.waiting &= self.waiting - 1;
         }
-        let lane = self.waiting.trailing_zeros() as usize & 15;
-        self.waiting &= self.waiting - 1;
-        Some(lane)
+        (filled, from)
     }
 
     /// Prepares the rays from `first` on, at most 16, and answers those that are invalid or pass the bounds by.

@@ -1,7 +1,7 @@
 //! The rays in flight.
 
 use super::answers::Answers;
-use super::prepare::Prepared;
+use super::prepare::{Lanes, Prepared};
 use super::walk::Stack;
 use crate::traverse::Hit;
 use crate::traverse::arch::Simd;
@@ -31,6 +31,8 @@ pub(super) struct Slots {
     pub(super) exit: Each<f32>,
     /// The entry on top of the stack, bytes.
     pub(super) top: Each<u32>,
+    /// Its lowest entry.
+    bottom: Each<u32>,
     /// The end of what still matters, scaled units.
     pub(super) limit: Each<f32>,
     /// Nothing on the stack matters once an entry begins behind this.
@@ -71,6 +73,7 @@ impl Slots {
             enter: none,
             exit: none,
             top: stack.bottoms(),
+            bottom: stack.bottoms(),
             limit: none,
             cut: none,
             margin: none,
@@ -116,58 +119,42 @@ impl Slots {
 
     /// Fills empty slots of a group with prepared rays, as many as there are; `root` is what stands at address 0.
     #[inline(always)]
-    pub(super) fn fill<S: Simd>(
-        &mut self,
-        s: S,
-        group: usize,
-        ready: &mut Prepared,
-        root: (S::U, S::U),
-        stack: &Stack,
-    ) {
+    pub(super) fn fill<S: Simd>(&mut self, s: S, group: usize, ready: &mut Prepared, root: (S::U, S::U)) {
         let at = 16 * group;
-        let (mut empty, mut filled) = (!self.live[group] & 0xffff, 0u32);
-        while empty != 0 {
-            let Some(from) = ready.take() else { break };
-            let lane = empty.trailing_zeros() as usize & 15;
-            empty &= empty - 1;
-            filled |= 1 << lane;
-            let slot = at + lane;
-            let ray = &*ready;
-            self.top.0[slot] = stack.bottom(slot);
-            self.enter.0[slot] = ray.enter.0[from];
-            self.exit.0[slot] = ray.exit.0[from];
-            self.limit.0[slot] = ray.limit.0[from];
-            self.margin.0[slot] = ray.margin.0[from];
-            for k in 0..3 {
-                self.origin[k].0[slot] = ray.origin[k].0[from];
-                self.inverse[k].0[slot] = ray.inverse[k].0[from];
-                self.slack[k].0[slot] = ray.slack[k].0[from];
-                self.start[k].0[slot] = ray.start[k].0[from];
-            }
-            self.slope[0].0[slot] = ray.slope[0].0[from];
-            self.slope[1].0[slot] = ray.slope[1].0[from];
-            self.depth.0[slot] = ray.depth.0[from];
-            self.longest.0[slot] = ray.longest.0[from];
-            self.t_min.0[slot] = ray.t_min.0[from];
-            self.best_t.0[slot] = ray.t_max.0[from];
-            self.scale.0[slot] = ray.scale.0[from];
-            self.ray.0[slot] = ready.first + from as u32;
-        }
+        let (filled, from) = ready.take(!self.live[group] & 0xffff);
         count(|c| {
             let filled = u64::from(filled.count_ones());
             (c.rays, c.walks) = (c.rays + filled, c.walks + filled);
         });
         self.live[group] |= filled;
         self.held |= filled << at;
-        let new = s.mask(filled);
-        let limit = s.load(&self.limit.0[at..]);
-        let cut = s.larger(limit + s.load(&self.margin.0[at..]), limit);
-        let cut = s.select(new, cut, s.load(&self.cut.0[at..]));
-        s.store(cut, &mut self.cut.0[at..]);
-        set(s, new, s.u32s(0), &mut self.address, at);
-        set(s, new, root.0, &mut self.lower, at);
-        set(s, new, root.1, &mut self.upper, at);
-        set(s, new, s.u32s(u32::MAX), &mut self.best_triangle, at);
+        // By whole vectors: fields written lane by lane would have to reach the cache before a step could read them.
+        let new = New { mask: s.mask(filled), from: s.load_u32(&from), at };
+        let (limit, margin) = (new.take(s, &ready.limit), new.take(s, &ready.margin));
+        new.put(s, limit, &mut self.limit);
+        new.put(s, margin, &mut self.margin);
+        new.put(s, s.larger(limit + margin, limit), &mut self.cut);
+        new.put(s, new.take(s, &ready.enter), &mut self.enter);
+        new.put(s, new.take(s, &ready.exit), &mut self.exit);
+        for k in 0..3 {
+            new.put(s, new.take(s, &ready.origin[k]), &mut self.origin[k]);
+            new.put(s, new.take(s, &ready.inverse[k]), &mut self.inverse[k]);
+            new.put(s, new.take(s, &ready.slack[k]), &mut self.slack[k]);
+            new.put(s, new.take(s, &ready.start[k]), &mut self.start[k]);
+        }
+        new.put(s, new.take(s, &ready.slope[0]), &mut self.slope[0]);
+        new.put(s, new.take(s, &ready.slope[1]), &mut self.slope[1]);
+        new.put(s, new.take(s, &ready.depth), &mut self.depth);
+        new.put(s, new.take(s, &ready.longest), &mut self.longest);
+        new.put(s, new.take(s, &ready.t_min), &mut self.t_min);
+        new.put(s, new.take(s, &ready.t_max), &mut self.best_t);
+        new.put(s, new.take(s, &ready.scale), &mut self.scale);
+        new.put_u32(s, s.u32s(ready.first) + new.from, &mut self.ray);
+        new.put_u32(s, s.u32s(0), &mut self.address);
+        new.put_u32(s, root.0, &mut self.lower);
+        new.put_u32(s, root.1, &mut self.upper);
+        new.put_u32(s, s.load_u32(&self.bottom.0[at..]), &mut self.top);
+        new.put_u32(s, s.u32s(u32::MAX), &mut self.best_triangle);
     }
 
     /// A hit within the ray's interval and not behind its best one.
@@ -189,9 +176,28 @@ impl Slots {
     }
 }
 
-/// `to[i] = x[i]` for the new lanes of the group at `at`.
-#[inline(always)]
-fn set<S: Simd>(s: S, new: S::M, x: S::U, to: &mut Each<u32>, at: usize) {
-    let to = &mut to.0[at..];
-    s.store_u32(s.select_u32(new, x, s.load_u32(to)), to);
+/// Lanes of the group at `at` that get a new ray, and which prepared one.
+struct New<S: Simd> {
+    mask: S::M,
+    from: S::U,
+    at: usize,
+}
+
+impl<S: Simd> New<S> {
+    #[inline(always)]
+    fn take(&self, s: S, prepared: &Lanes<f32>) -> S::F {
+        s.permute(s.load(&prepared.0), self.from)
+    }
+
+    #[inline(always)]
+    fn put(&self, s: S, x: S::F, to: &mut Each<f32>) {
+        let to = &mut to.0[self.at..];
+        s.store(s.select(self.mask, x, s.load(to)), to);
+    }
+
+    #[inline(always)]
+    fn put_u32(&self, s: S, x: S::U, to: &mut Each<u32>) {
+        let to = &mut to.0[self.at..];
+        s.store_u32(s.select_u32(self.mask, x, s.load_u32(to)), to);
+    }
 }

@@ -33,8 +33,10 @@ pub(super) fn test<S: Simd, N: LaneNodes, A: Answers>(
     let u = c[0] * b[1] - c[1] * b[0];
     let v = a[0] * c[1] - a[1] * c[0];
     let w = b[0] * a[1] - b[1] * a[0];
-    let missed =
-        (s.lt(u, zero) | s.lt(v, zero) | s.lt(w, zero)) & (s.lt(zero, u) | s.lt(zero, v) | s.lt(zero, w));
+    // A NaN is passed over or makes `lt` false: what is then seen of the other two rejects as the scalar test does.
+    let lowest = s.smaller(u, s.smaller(v, w));
+    let highest = s.larger(u, s.larger(v, w));
+    let missed = s.lt(lowest, zero) & s.lt(zero, highest);
     let left = s.mask((1 << count) - 1) & !missed;
     counters::count(|c| {
         let tested = count as u64;

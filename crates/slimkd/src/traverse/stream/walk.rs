@@ -47,18 +47,12 @@ impl Stack {
         if self.large.is_empty() { self.small.as_mut_ptr().cast() } else { self.large.as_mut_ptr().cast() }
     }
 
-    /// A slot's lowest entry, bytes.
-    #[inline(always)]
-    pub(super) fn bottom(&self, slot: usize) -> u32 {
-        (slot * self.room) as u32 * ENTRY
-    }
-
-    /// All slots' [`Stack::bottom`].
+    /// Every slot's lowest entry, bytes.
     #[inline(always)]
     pub(super) fn bottoms(&self) -> Each<u32> {
         let mut bottoms = Each([0; SLOTS]);
         for slot in 0..SLOTS {
-            bottoms.0[slot] = self.bottom(slot);
+            bottoms.0[slot] = (slot * self.room) as u32 * ENTRY;
         }
         bottoms
     }
