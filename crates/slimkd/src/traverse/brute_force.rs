@@ -76,7 +76,8 @@ impl<'a> BruteForce<'a> {
 
     fn offer_along<const Z: usize>(&self, ray: &PreparedRay, sink: &mut impl Sink) {
         for &id in &self.triangles {
-            if ray.offer::<Z>(&self.mesh.corners(id), id, sink) {
+            let found = ray.shear.intersect::<Z>(&self.mesh.corners(id));
+            if ray.hand_over(found, id, sink) {
                 return;
             }
         }

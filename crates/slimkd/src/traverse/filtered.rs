@@ -11,6 +11,8 @@ pub(crate) struct Filtered<S, F> {
 }
 
 impl<S: Sink, F: FnMut(&Hit) -> bool> Sink for Filtered<S, F> {
+    const COHERENT: bool = S::COHERENT;
+
     #[inline(always)]
     fn offer(&mut self, found: Intersection, triangle: u32) -> bool {
         let hit = Hit { t: found.t, u: found.u, v: found.v, triangle };

@@ -32,7 +32,7 @@
 
 use super::counters::count;
 use super::sink::Sink;
-use crate::geometry::{Aabb, Ray, Shear};
+use crate::geometry::{Aabb, Intersection, Ray, Shear};
 
 /// Half-width of a split plane relative to M; derived in the module head.
 const SLACK: f32 = 1.0 / (1 << 19) as f32;
@@ -169,7 +169,13 @@ impl PreparedRay {
             (c.triangles, c.ray_triangles, c.triangle_lanes) =
                 (c.triangles + 1, c.ray_triangles + 1, c.triangle_lanes + 1);
         });
-        match self.shear.intersect::<Z>(corners) {
+        self.hand_over(self.shear.intersect_by_lanes::<Z>(corners), triangle, sink)
+    }
+
+    /// Offers what lies in the ray's interval. `true` ends the traversal.
+    #[inline(always)]
+    pub(super) fn hand_over(&self, found: Option<Intersection>, triangle: u32, sink: &mut impl Sink) -> bool {
+        match found {
             Some(found) if self.t_min <= found.t && found.t <= self.t_max => sink.offer(found, triangle),
             _ => false,
         }

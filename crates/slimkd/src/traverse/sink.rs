@@ -5,6 +5,9 @@ use crate::geometry::Intersection;
 
 /// Receives every intersection that a traversal finds.
 pub(crate) trait Sink {
+    /// Whether its rays go side by side with the ones before them more often than not; see deviation 4 of `single.rs`.
+    const COHERENT: bool = false;
+
     /// Takes an intersection whose t lies in the ray's interval. `true` ends the traversal.
     fn offer(&mut self, found: Intersection, triangle: u32) -> bool;
     /// The largest t that still matters, user units.
@@ -50,6 +53,8 @@ pub(crate) struct Any {
 }
 
 impl Sink for Any {
+    const COHERENT: bool = true;
+
     #[inline(always)]
     fn offer(&mut self, _: Intersection, _: u32) -> bool {
         self.found = true;
