@@ -2,6 +2,7 @@
 
 mod checked;
 mod dense;
+mod encoded;
 mod file;
 mod kdtree;
 mod lanes;
@@ -12,6 +13,7 @@ mod queries;
 mod statistics;
 mod walk;
 
+pub use encoded::EncodedTree;
 pub use file::{FileError, OpenTree};
 pub use kdtree::KdTree;
 pub(crate) use lanes::{LaneNodes, LaneStep};

@@ -49,6 +49,11 @@ impl LeafCode {
         Self { header_bytes, count_bits, id_mask: (1 << id_bits) - 1 }
     }
 
+    /// Bytes of the header, bits of its count, mask of its first id.
+    pub(super) fn widths(self) -> (u32, u32, u32) {
+        (self.header_bytes, self.count_bits, self.id_mask)
+    }
+
     /// The largest count, which says that the true one follows.
     #[inline(always)]
     fn many(self) -> u32 {

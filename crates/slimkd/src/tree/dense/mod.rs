@@ -50,6 +50,14 @@ pub(crate) struct Dense {
 }
 
 impl Dense {
+    /// What others read the bytes by.
+    pub(super) fn view(&self) -> super::EncodedTree<'_> {
+        let (header_bytes, count_bits, id_mask) = self.code.widths();
+        let crate::traverse::Planes { low, scale, unscale, cell, .. } = self.planes;
+        let cell = unscale.map(|unscale| cell * unscale);
+        super::EncodedTree::Dense { bytes: &self.bytes, header_bytes, count_bits, id_mask, low, scale, cell }
+    }
+
     /// Bytes that hold nothing.
     pub(super) fn padding(&self) -> u64 {
         PADDING as u64
