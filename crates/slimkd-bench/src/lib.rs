@@ -5,11 +5,8 @@ pub mod agree;
 pub mod alloc;
 pub mod args;
 pub mod built;
-pub mod machine;
 pub mod measure;
-pub mod median;
 pub mod peers;
-pub mod plot;
 pub mod report;
 pub mod rng;
 pub mod run;
@@ -19,3 +16,5 @@ pub mod variant;
 pub mod vector;
 pub mod view;
 pub mod workload;
+
+pub use slimkd_report::{machine, median};

@@ -35,12 +35,7 @@ pub(crate) fn choose(
         return Ok(vec![View { number: 1, camera }]);
     }
     let count = args.view.map_or(count, usize::from);
-    let mut cameras: Vec<_> = scene.cameras.iter().copied().take(count).collect();
-    if cameras.len() < count {
-        // All at once: which views are found may depend on how many are looked for.
-        cameras.extend(views::find(scene, tree, VIEWS));
-        cameras.truncate(count);
-    }
+    let cameras = views::of_scene(scene, tree, count);
     let views = cameras.into_iter().enumerate().map(|(index, camera)| View { number: index + 1, camera });
     let views: Vec<_> =
         views.filter(|view| args.view.is_none_or(|named| view.number == usize::from(named))).collect();

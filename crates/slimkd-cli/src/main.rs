@@ -76,6 +76,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Inspect(args) => commands::inspect::run(args, ui),
         Command::Trace(args) => commands::trace::run(args, ui),
         Command::Bench(args) => commands::bench::run(args, ui),
+        Command::Report(args) => commands::report::run(args, ui),
         Command::Scene(args) => commands::scene::run(args, ui),
         Command::Completions(args) => commands::completions::run(args),
     }

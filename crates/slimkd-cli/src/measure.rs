@@ -128,16 +128,6 @@ pub(crate) fn agree(
     Ok(first.count(*any))
 }
 
-/// The middle of `values`, or the mean of the two in the middle.
-pub(crate) fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    match values.len() {
-        0 => f64::NAN,
-        n if n % 2 == 1 => values[n / 2],
-        n => 0.5 * (values[n / 2 - 1] + values[n / 2]),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -168,12 +158,5 @@ mod tests {
         assert!(failure.to_string().starts_with("c and a answer test ray 0 differently"), "{failure}");
         // Whether there is a hit is the same in both.
         assert!(agree(&pool, &[("a", &a), ("c", &c)], Kernel::Packet, &workload(true)).is_ok());
-    }
-
-    #[test]
-    fn medians() {
-        assert_eq!(median(&mut [3.0, 1.0, 2.0]), 2.0);
-        assert_eq!(median(&mut [4.0, 1.0, 2.0, 3.0]), 2.5);
-        assert!(median(&mut []).is_nan());
     }
 }

@@ -212,3 +212,25 @@ fn bench_prints_shares_and_rates() {
     assert!(run.stdout.contains("random (500 rays,") && run.stdout.contains("Mrays/s"), "{}", run.stdout);
     assert!(run.stderr.contains("% hit"), "{}", run.stderr);
 }
+
+#[test]
+fn a_report_goes_on_and_is_written_again() {
+    let tool = Tool::new();
+    let line = "report kitchen --triangles 1500 --quick --size 16x16 --threads 1 --scaling 0 -o out";
+    tool.fails(&format!("{line} --time-limit 0"), 1, &["time is up", "run the same command again"]);
+    assert!(!tool.path("out/index.html").exists());
+    tool.ok(line);
+    let page = std::fs::read(tool.path("out/index.html")).unwrap();
+    tool.ok("report --from out/raw.json -o again");
+    // The pictures stay where they were measured.
+    assert!(std::fs::read(tool.path("again/index.html")).unwrap() == page);
+    for (wrong, status) in [
+        ("report --from out/index.html -o x", 1),
+        ("report nosuch.ply -o x", 1),
+        ("report kitchen --size 32x16 -o x", 2),
+        ("report kitchen --from out/raw.json -o x", 2),
+        ("report kitchen", 2),
+    ] {
+        tool.fails(wrong, status, &[]);
+    }
+}

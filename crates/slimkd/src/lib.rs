@@ -64,5 +64,5 @@ pub mod tree;
 pub use build::{BuildError, BuildOptions, Clipping, Layout, Preset, Progress, SahConstants, TreeBudget};
 pub use geometry::{Aabb, MeshError, Ray, RefinedHit, TriangleMesh};
 pub use reduce::{CountedLeaves, HoistAlgorithm, Hoisting, OccupancyBase, WhenLeafRemains};
-pub use traverse::{BruteForce, ClosestPoint, Counters, Hit, InstructionSet};
+pub use traverse::{BruteForce, ClosestPoint, Counters, Hit, InstructionSet, RayCost};
 pub use tree::{EncodedTree, FileError, KdTree, MemoryReport, OpenTree, TreeStatistics};

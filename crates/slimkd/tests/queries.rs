@@ -54,6 +54,23 @@ fn filters_say_what_brute_force_says() {
 }
 
 #[test]
+fn a_rays_cost_is_counted_and_its_hit_the_same() {
+    for (name, mesh) in meshes() {
+        let rays = hard_rays(&mesh, 100, 7);
+        for (variant, options) in variants() {
+            let tree = KdTree::build(Arc::clone(&mesh), &options).unwrap();
+            for ray in &rays {
+                let (hit, cost) = tree.closest_hit_cost(ray);
+                assert_eq!(hit, tree.closest_hit(ray), "{name} {variant} {ray:?}");
+                assert!(hit.is_none() || (cost.nodes > 0 && cost.tests > 0), "{name} {variant} {cost:?}");
+            }
+            let references: u64 = tree.references_per_triangle().iter().map(|&count| u64::from(count)).sum();
+            assert_eq!(references, tree.statistics().references(), "{name} {variant}");
+        }
+    }
+}
+
+#[test]
 fn nearest_points_are_brute_force_s() {
     for (name, mesh) in meshes() {
         let oracle = BruteForce::new(&mesh);

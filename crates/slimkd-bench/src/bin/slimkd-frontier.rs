@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use clap::Parser;
-use slimkd_bench::{plot, report::Report};
+use slimkd_report::{output, plots::frontier};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -40,14 +40,11 @@ fn main() -> ExitCode {
 fn work(args: &Args) -> Result<()> {
     let mut panels = Vec::new();
     for path in &args.reports {
-        let text =
-            std::fs::read_to_string(path).with_context(|| format!("{} cannot be read", path.display()))?;
-        let report: Report = serde_json::from_str(&text)
-            .with_context(|| format!("{} is not of slimkd-bench --json", path.display()))?;
-        panels.push(plot::Panel::new(&report, &args.workload, &args.interface, args.resident));
+        let peers = output::read_peers(path)?;
+        panels.push(frontier::Panel::new(&peers, &args.workload, &args.interface, args.resident));
     }
     let size =
         if args.resident { "bytes a triangle, mesh included" } else { "bytes a triangle beside the mesh" };
-    let svg = plot::frontier(&panels, &format!("{} rays, million a second", args.workload), size);
+    let svg = frontier::frontier(&panels, &format!("{} rays, million a second", args.workload), size);
     std::fs::write(&args.output, svg).with_context(|| format!("{} cannot be written", args.output.display()))
 }

@@ -12,7 +12,7 @@ const DEFAULT_FOV: f32 = 60.0;
 const LEAST_SINE: f32 = 1e-3;
 
 /// One view.
-#[derive(Clone, Debug, Args)]
+#[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "View")]
 pub(crate) struct CameraArgs {
     /// Which of the scene's three views: the file's cameras, else views found by looking around

@@ -31,6 +31,7 @@ Examples:
   slimkd render model.glb -o model.png
   slimkd build building.ply.zst --preset standard
   slimkd inspect building.ply.zst --json
+  slimkd report building.ply.zst -o report
   slimkd scene --list
 
 SCENE is a file (.ply .obj .stl .gltf .glb, each also with .zst or .gz behind it), the name
@@ -50,6 +51,8 @@ pub(crate) enum Command {
     Trace(commands::trace::TraceArgs),
     /// Measure the presets against each other
     Bench(commands::bench::BenchArgs),
+    /// Write the paper's tables and figures from scenes, as a page
+    Report(commands::report::ReportArgs),
     /// List the built-in scenes, or write one as a PLY file
     Scene(commands::scene::SceneCommandArgs),
     /// Print a completion script for a shell

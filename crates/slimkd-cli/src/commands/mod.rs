@@ -5,5 +5,6 @@ pub(crate) mod build;
 pub(crate) mod completions;
 pub(crate) mod inspect;
 pub(crate) mod render;
+pub(crate) mod report;
 pub(crate) mod scene;
 pub(crate) mod trace;

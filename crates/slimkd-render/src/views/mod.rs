@@ -25,6 +25,8 @@ use slimkd_scene::{Camera, Scene};
 const BUILDING: f32 = 0.3;
 /// Places to look around from.
 const STANDPOINTS: usize = 28;
+/// Views that [`of_scene`] looks for at least.
+const MOST_VIEWS: usize = 3;
 /// Headings per standpoint.
 const HEADINGS: u32 = 10;
 /// Vertical field of view indoors, degrees.
@@ -37,6 +39,17 @@ struct Candidate {
     score: f32,
     /// What it sees.
     look: Look,
+}
+
+/// The first `count` views of a scene: those that the file names, then good ones.
+pub fn of_scene(scene: &Scene, tree: &KdTree, count: usize) -> Vec<Camera> {
+    let mut cameras: Vec<_> = scene.cameras.iter().copied().take(count).collect();
+    if cameras.len() < count {
+        // All at once: which views are found may depend on how many are looked for.
+        cameras.extend(find(scene, tree, MOST_VIEWS.max(count)));
+        cameras.truncate(count);
+    }
+    cameras
 }
 
 /// Up to `count` good views, the best first; none when the tree holds nothing that can be hit.

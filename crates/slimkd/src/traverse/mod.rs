@@ -2,6 +2,7 @@
 
 mod arch;
 mod brute_force;
+mod cost;
 mod counters;
 mod filtered;
 mod hit;
@@ -15,6 +16,8 @@ mod stream;
 pub(crate) use arch::Simd;
 pub use arch::{InstructionSet, UnknownInstructionSet};
 pub use brute_force::BruteForce;
+pub(crate) use cost::Costed;
+pub use cost::RayCost;
 pub use counters::Counters;
 pub(crate) use filtered::Filtered;
 pub use hit::Hit;

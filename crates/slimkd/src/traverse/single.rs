@@ -64,6 +64,7 @@ fn walk<const Z: usize, S: Sink>(
     count(|c| (c.rays, c.walks) = (c.rays + 1, c.walks + 1));
     loop {
         let mut leaf = loop {
+            sink.visit();
             count(|c| {
                 (c.nodes, c.ray_nodes, c.node_lanes) = (c.nodes + 1, c.ray_nodes + 1, c.node_lanes + 1)
             });
@@ -72,6 +73,7 @@ fn walk<const Z: usize, S: Sink>(
                 Step::Leaf(leaf) => break leaf,
             };
             if let Some(triangle) = t_reference {
+                sink.test();
                 if ray.offer::<Z>(&nodes.corners(triangle), triangle, sink) {
                     return;
                 }
@@ -101,6 +103,7 @@ fn walk<const Z: usize, S: Sink>(
                 break;
             }
             for &id in ids {
+                sink.test();
                 if ray.offer::<Z>(&nodes.corners(id), id, sink) {
                     return;
                 }

@@ -12,6 +12,12 @@ pub(crate) trait Sink {
     fn offer(&mut self, found: Intersection, triangle: u32) -> bool;
     /// The largest t that still matters, user units.
     fn limit(&self) -> f32;
+    /// A node is visited.
+    #[inline(always)]
+    fn visit(&mut self) {}
+    /// A triangle is tested.
+    #[inline(always)]
+    fn test(&mut self) {}
 }
 
 /// The nearest hit; equal t goes to the lowest id.

@@ -1,9 +1,11 @@
 //! Queries beyond the nearest hit: with a filter, without a triangle, nearest to a point.
 
-use super::KdTree;
 use super::nodes::with_nodes;
+use super::{KdTree, walk};
 use crate::geometry::Ray;
-use crate::traverse::{All, Any, Closest, ClosestPoint, Filtered, Hit, Search, search_tree, sort_hits};
+use crate::traverse::{
+    All, Any, Closest, ClosestPoint, Costed, Filtered, Hit, RayCost, Search, search_tree, sort_hits,
+};
 
 impl KdTree {
     /// The nearest hit that `accept` says yes to; equal t goes to the lowest id. It is asked about hits in `[t_min, t_max]`
@@ -52,6 +54,21 @@ impl KdTree {
     /// Whether anything but `triangle` is hit.
     pub fn any_hit_except(&self, ray: &Ray, triangle: u32) -> bool {
         self.any_hit_where(ray, |hit| hit.triangle != triangle)
+    }
+
+    /// [`KdTree::closest_hit`], and the nodes and triangles that it took. Slower than without; the same hit. An invalid ray
+    /// costs nothing.
+    pub fn closest_hit_cost(&self, ray: &Ray) -> (Option<Hit>, RayCost) {
+        let mut sink = Costed::new(ray.t_max);
+        self.offer_all(ray, &mut sink);
+        sink.into_parts()
+    }
+
+    /// How often each triangle of the mesh is referred to, by leaves and by T-references; 0 for degenerate ones.
+    pub fn references_per_triangle(&self) -> Vec<u32> {
+        let mut counts = vec![0; self.mesh.len()];
+        walk::for_each_reference(self, |id| counts[id as usize] += 1);
+        counts
     }
 
     /// The point of the mesh that is nearest to `point`, if it is no farther than `max_distance` (scene units, inclusive, may

@@ -69,7 +69,8 @@ impl Report {
                 );
             }
             let (rate, preset) = (frame.frames_per_s, frame.preset);
-            let loss = 100.0 * (1.0 - rate / base);
+            // As in the paper: 0.867 frames/s to 0.794 are 9.2 %.
+            let loss = 100.0 * (base / rate - 1.0);
             let _ = writeln!(out, "  {preset:<12} {rate:>9.3} frames/s {:>10}", format!("({loss:.1} %)"));
         }
         out

@@ -5,15 +5,16 @@ use crate::args::Size;
 use crate::cameras::View;
 use crate::failure::Failure;
 use crate::kernel::Kernel;
-use crate::measure::{Answers, Named, agree, median};
+use crate::measure::{Answers, Named, agree};
 use crate::ui::{Ui, Watched, grouped};
 use crate::workloads::{self, Workload};
 use rayon::ThreadPool;
-use slimkd::{KdTree, Ray};
-use slimkd_render::{Film, RenderError, RenderProgress, RenderSettings, render};
+use slimkd::Ray;
+use slimkd_report::measure::{Cpu, Frame, frames, whitted};
+use slimkd_report::median::median;
+use slimkd_report::{Progress, ReportError};
 use slimkd_scene::Scene;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
-use std::time::Instant;
 
 /// Seconds of tracing that a run may take by default, building aside: five presets then stay below a minute.
 const TIME: f64 = 40.0;
@@ -83,7 +84,7 @@ impl Bench<'_> {
                     workload: workload.name,
                     rays: workload.rays.len(),
                     hits,
-                    mrays_per_s: median(rates),
+                    mrays_per_s: median(rates).unwrap_or(f64::NAN),
                 });
             }
         }
@@ -129,61 +130,35 @@ impl Bench<'_> {
     /// Pictures a second of all presets and views.
     pub(super) fn frames(&self, steps: &Steps) -> Result<Vec<FrameRate>, Failure> {
         steps.expect(self.views.len() * (1 + self.rounds) * self.trees.len());
+        let threads = self.pool.current_num_threads();
+        let failed = |error| match error {
+            ReportError::Cancelled => Failure::Interrupted,
+            error => Failure::work(error),
+        };
+        let device = Cpu::new(threads).map_err(failed)?;
+        let settings = whitted(self.size.width, self.size.height);
         let mut results = Vec::new();
         for view in &self.views {
-            let mut first: Option<Film> = None;
-            for (preset, tree) in &self.trees {
-                let film = self.picture(tree, view)?;
-                steps.done(1);
-                let reference = first.get_or_insert_with(|| film.clone());
-                if *reference != film {
-                    return Err(Failure::work(format_args!(
-                        "{preset} and {} show view {} differently, so no rate is reported; this is a bug in slimkd, \
-                         please report it",
-                        self.trees[0].0, view.number
-                    )));
-                }
-            }
-            let mut rates = vec![Vec::new(); self.trees.len()];
-            for round in 0..self.rounds {
-                for turn in 0..self.trees.len() {
-                    let index = (turn + round) % self.trees.len();
-                    let started = Instant::now();
-                    self.picture(self.trees[index].1, view)?;
-                    rates[index].push(1.0 / started.elapsed().as_secs_f64().max(1e-9));
-                    steps.done(1);
-                }
-            }
-            for ((preset, _), rates) in self.trees.iter().zip(&mut rates) {
+            let frame =
+                Frame { scene: self.scene, view: view.number, camera: view.camera, settings: &settings };
+            let progress = Progress::new();
+            // Passes Ctrl-C on; the bar is that of all pictures together.
+            let seconds = Ui::new(true)
+                .watch("", &progress, || {
+                    frames(&device, &frame, &self.trees, self.rounds, &progress, &|| steps.done(1))
+                })
+                .map_err(failed)?;
+            for ((preset, _), seconds) in self.trees.iter().zip(&seconds) {
                 results.push(FrameRate {
                     preset,
                     device: DEVICE,
-                    threads: self.pool.current_num_threads(),
+                    threads,
                     view: view.number,
-                    frames_per_s: median(rates),
+                    frames_per_s: median(seconds).map_or(f64::NAN, |seconds| 1.0 / seconds.max(1e-9)),
                 });
             }
         }
         Ok(results)
-    }
-
-    fn picture(&self, tree: &KdTree, view: &View) -> Result<Film, Failure> {
-        let mut settings = RenderSettings::sized(self.size.width, self.size.height);
-        // The paper's rays alone: Whitted's, one sample a pixel.
-        settings.samples = 1;
-        settings.occlusion = 0;
-        let progress = RenderProgress::new();
-        // Passes Ctrl-C on; the bar is that of all pictures together.
-        Ui::new(true)
-            .watch("", &progress, || {
-                self.pool.install(|| {
-                    render(self.scene, tree, &view.camera, &self.scene.lights, &settings, &progress)
-                })
-            })
-            .map_err(|error| match error {
-                RenderError::Cancelled => Failure::Interrupted,
-                other => Failure::work(format_args!("{}: view {}: {other}", self.scene.name, view.number)),
-            })
     }
 }
 

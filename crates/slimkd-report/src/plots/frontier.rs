@@ -2,7 +2,9 @@
 //!
 //! Colours are Okabe & Ito's, which colour-blind people tell apart (*Color Universal Design*, 2008); shapes tell the same.
 
-use crate::report::Report;
+use super::svg::{THEME, escape};
+use crate::data::Peers;
+use crate::tables::grouped;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -11,7 +13,7 @@ const PANEL: (f64, f64) = (460.0, 340.0);
 const MARGIN: (f64, f64, f64, f64) = (52.0, 34.0, 16.0, 46.0);
 const COLUMNS: usize = 2;
 /// Width of a character of a label, pixels: what keeps labels apart.
-const CHARACTER: f64 = 5.6;
+const CHARACTER: f64 = 6.4;
 const LABEL_HEIGHT: f64 = 11.0;
 
 /// What a mark stands for.
@@ -42,7 +44,7 @@ pub struct Panel {
 impl Panel {
     /// The points of a report on one thread. `interface` is a name, or `best` for the fastest of each contender.
     /// Contenders whose hits are marked as wrong stay out.
-    pub fn new(report: &Report, workload: &str, interface: &str, resident: bool) -> Self {
+    pub fn new(report: &Peers, workload: &str, interface: &str, resident: bool) -> Self {
         let triangles = report.scene.triangles.max(1) as f64;
         let mut best: BTreeMap<&str, Mark> = BTreeMap::new();
         for point in report.points.iter().filter(|p| p.threads == 1 && !p.marked) {
@@ -65,21 +67,14 @@ impl Panel {
                 *kept = mark;
             }
         }
-        let title = format!("{}, {} triangles", report.scene.name, thousands(report.scene.triangles));
+        let title = format!("{}, {} triangles", report.scene.name, grouped(report.scene.triangles as f64, 0));
         Self { title, marks: best.into_values().collect() }
     }
-}
 
-fn thousands(number: u64) -> String {
-    let digits = number.to_string();
-    let mut out = String::new();
-    for (at, digit) in digits.chars().enumerate() {
-        if at > 0 && (digits.len() - at).is_multiple_of(3) {
-            out.push(',');
-        }
-        out.push(digit);
+    /// The scene and its size.
+    pub fn title(&self) -> &str {
+        &self.title
     }
-    out
 }
 
 /// The picture. `vertical` and `horizontal` are what the axes count.
@@ -88,13 +83,7 @@ pub fn frontier(panels: &[Panel], vertical: &str, horizontal: &str) -> String {
     let rows = panels.len().div_ceil(columns).max(1);
     let (width, height) = (PANEL.0 * columns as f64, PANEL.1 * rows as f64 + 24.0);
     let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" \
-         font-size=\"10\">\n<style>\n\
-         :root {{ --paper: #fff; --ink: #222; --faint: #ccc; }}\n\
-         @media (prefers-color-scheme: dark) {{ :root {{ --paper: #16181c; --ink: #ddd; --faint: #444; }} }}\n\
-         text {{ fill: var(--ink); }} .axis {{ stroke: var(--ink); fill: none; }} .grid {{ stroke: var(--faint); }}\n\
-         .preset {{ fill: #d55e00; }} .sweep {{ fill: #0072b2; }} .peer {{ fill: #009e73; }}\n\
-         .line {{ stroke: #0072b2; fill: none; }}\n</style>\n\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot\" viewBox=\"0 0 {width} {height}\">\n<style>\n{THEME}</style>\n\
          <rect width=\"{width}\" height=\"{height}\" fill=\"var(--paper)\"/>\n"
     );
     for (index, panel) in panels.iter().enumerate() {
@@ -103,17 +92,34 @@ pub fn frontier(panels: &[Panel], vertical: &str, horizontal: &str) -> String {
         draw(&mut out, panel, vertical, horizontal);
         out.push_str("</g>\n");
     }
-    let y = height - 10.0;
+    key(&mut out, height - 10.0);
+    out + "</svg>\n"
+}
+
+/// One panel as a figure of a page, which gives the colours; its title stands beside it.
+pub(super) fn figure(panel: &Panel, vertical: &str, horizontal: &str) -> String {
+    let (width, height) = (PANEL.0, PANEL.1 + 24.0);
+    let mut out = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"plot\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
+         aria-label=\"{}\">\n",
+        escape(&panel.title)
+    );
+    draw(&mut out, panel, vertical, horizontal);
+    key(&mut out, height - 10.0);
+    out + "</svg>"
+}
+
+/// What marks stand for, at height `y`.
+fn key(out: &mut String, y: f64) {
     let _ = write!(
         out,
-        "<circle class=\"preset\" cx=\"60\" cy=\"{y}\" r=\"5\"/><text x=\"70\" y=\"{t}\">slimkd presets</text>\
-         <circle class=\"sweep\" cx=\"170\" cy=\"{y}\" r=\"3\"/><text x=\"180\" y=\"{t}\">slimkd sweeps</text>\
-         <rect class=\"peer\" x=\"276\" y=\"{s}\" width=\"8\" height=\"8\"/><text x=\"290\" y=\"{t}\">other \
-         libraries</text>\n</svg>\n",
+        "<circle fill=\"var(--c3)\" cx=\"60\" cy=\"{y}\" r=\"5\"/><text x=\"70\" y=\"{t}\">slimkd presets</text>\
+         <circle fill=\"var(--c2)\" cx=\"180\" cy=\"{y}\" r=\"3\"/><text x=\"190\" y=\"{t}\">slimkd sweeps</text>\
+         <rect fill=\"var(--c5)\" x=\"296\" y=\"{s}\" width=\"8\" height=\"8\"/><text x=\"310\" y=\"{t}\">other \
+         libraries</text>\n",
         t = y + 3.5,
         s = y - 4.0
     );
-    out
 }
 
 fn draw(out: &mut String, panel: &Panel, vertical: &str, horizontal: &str) {
@@ -121,7 +127,7 @@ fn draw(out: &mut String, panel: &Panel, vertical: &str, horizontal: &str) {
     let _ = writeln!(
         out,
         "<text x=\"{left}\" y=\"18\" font-size=\"12\" font-weight=\"bold\">{}</text>",
-        panel.title
+        escape(&panel.title)
     );
     if panel.marks.is_empty() {
         let _ = writeln!(out, "<text x=\"{left}\" y=\"60\">no measurement of these rays</text>");
@@ -180,21 +186,21 @@ fn draw(out: &mut String, panel: &Panel, vertical: &str, horizontal: &str) {
         marks.sort_by(|a, b| a.bytes.total_cmp(&b.bytes));
         let points: Vec<String> =
             marks.iter().map(|m| format!("{:.1} {:.1}", x(m.bytes), y(m.rate))).collect();
-        let _ = writeln!(out, "<path class=\"line\" d=\"M{}\"/>", points.join("L"));
+        let _ = writeln!(out, "<path fill=\"none\" stroke=\"var(--c2)\" d=\"M{}\"/>", points.join("L"));
     }
     for mark in &panel.marks {
         let (at_x, at_y) = (x(mark.bytes), y(mark.rate));
         taken.push([at_x - 5.0, at_y - 5.0, at_x + 5.0, at_y + 5.0]);
         let _ = match mark.family {
             Family::Preset => {
-                writeln!(out, "<circle class=\"preset\" cx=\"{at_x:.1}\" cy=\"{at_y:.1}\" r=\"5\"/>")
+                writeln!(out, "<circle fill=\"var(--c3)\" cx=\"{at_x:.1}\" cy=\"{at_y:.1}\" r=\"5\"/>")
             }
             Family::Sweep => {
-                writeln!(out, "<circle class=\"sweep\" cx=\"{at_x:.1}\" cy=\"{at_y:.1}\" r=\"3\"/>")
+                writeln!(out, "<circle fill=\"var(--c2)\" cx=\"{at_x:.1}\" cy=\"{at_y:.1}\" r=\"3\"/>")
             }
             Family::Peer => writeln!(
                 out,
-                "<rect class=\"peer\" x=\"{:.1}\" y=\"{:.1}\" width=\"8\" height=\"8\"/>",
+                "<rect fill=\"var(--c5)\" x=\"{:.1}\" y=\"{:.1}\" width=\"8\" height=\"8\"/>",
                 at_x - 4.0,
                 at_y - 4.0
             ),
@@ -227,7 +233,7 @@ fn draw(out: &mut String, panel: &Panel, vertical: &str, horizontal: &str) {
         if let Some((x, y)) = free {
             taken.push([x, y - LABEL_HEIGHT + 2.0, x + long, y + 2.0]);
             let weight = if mark.family == Family::Preset { " font-weight=\"bold\"" } else { "" };
-            let _ = writeln!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\"{weight}>{text}</text>");
+            let _ = writeln!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\"{weight}>{}</text>", escape(text));
         }
     }
 }
@@ -257,9 +263,8 @@ mod tests {
             let x: f64 = part.split('"').next().unwrap().parse().unwrap();
             assert!((0.0..=PANEL.0).contains(&x), "{x}");
         }
-        assert_eq!(svg.matches("class=\"line\"").count(), 2);
+        assert_eq!(svg.matches("stroke=\"var(--c2)\"").count(), 2);
         assert!(svg.contains(">slim</text>") && svg.contains(">0.1</text>"));
         assert!(frontier(&[], "rays", "bytes").ends_with("</svg>\n"));
-        assert_eq!(thousands(1_234_567), "1,234,567");
     }
 }

@@ -1,0 +1,17 @@
+//! Measuring, one unit of work after the other. Each is kept on disk before the next begins.
+
+mod ablation;
+mod frames;
+mod heat;
+mod pictures;
+mod scaling;
+mod session;
+mod shape;
+mod store;
+mod sweep;
+mod trees;
+
+pub use frames::{Cpu, Device, Frame, frames, whitted};
+pub(crate) use pictures::slug;
+pub use session::{Session, day};
+pub(crate) use store::write;
