@@ -1,10 +1,11 @@
 //! The command line, raw and checked.
 
+use crate::built::Interface;
 use crate::variant::Variant;
 use crate::workload::Kind;
 use anyhow::{Result, bail, ensure};
 use clap::{Parser, ValueEnum};
-use slimkd::Preset;
+use slimkd::{InstructionSet, Preset};
 use slimkd_scene::UpAxis;
 use std::path::PathBuf;
 
@@ -50,6 +51,12 @@ pub struct Args {
     /// Camera: `ex,ey,ez,tx,ty,tz[,fov]`, the vertical field of view in degrees
     #[arg(long, allow_hyphen_values = true)]
     pub camera: Option<String>,
+    /// Interfaces, comma-separated beginnings of names such as `single,packet`; all are checked, these are timed
+    #[arg(long, value_delimiter = ',')]
+    pub interfaces: Option<Vec<String>>,
+    /// Instruction set of slimkd and of Embree; by default the best that the processor has
+    #[arg(long, value_enum)]
+    pub isa: Option<Isa>,
     /// Which of the scene's views
     #[arg(long, default_value_t = 1, conflicts_with = "camera")]
     pub view: usize,
@@ -65,6 +72,24 @@ pub struct Args {
     /// Write all figures to this file
     #[arg(long)]
     pub json: Option<PathBuf>,
+}
+
+/// Instruction sets that slimkd and Embree both have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Isa {
+    /// 8 lanes
+    Avx2,
+    /// 16 lanes
+    Avx512,
+}
+
+impl From<Isa> for InstructionSet {
+    fn from(isa: Isa) -> Self {
+        match isa {
+            Isa::Avx2 => Self::Avx2,
+            Isa::Avx512 => Self::Avx512,
+        }
+    }
 }
 
 /// An axis, as the command line names it.
@@ -97,6 +122,9 @@ impl Args {
         ensure!(self.size <= 1 << 14, "--size must be at most 16384");
         ensure!(!self.workloads.is_empty(), "--workloads names none");
         ensure!(!self.thread_counts().contains(&0), "--threads must be at least 1");
+        if let Some(isa) = self.instruction_set() {
+            ensure!(isa.is_available(), "--isa {}: this processor lacks it", isa.name());
+        }
         if let Some(path) = &self.json {
             // Said before hours of measuring, not after.
             let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
@@ -146,6 +174,19 @@ impl Args {
     /// Whether a peer of this name takes part.
     pub fn wants_peer(&self, name: &str) -> bool {
         self.peers.as_ref().is_none_or(|wanted| wanted.iter().any(|start| name.starts_with(start.as_str())))
+    }
+
+    /// Whether an interface is timed.
+    pub fn wants_interface(&self, interface: Interface) -> bool {
+        let name = interface.name();
+        self.interfaces
+            .as_ref()
+            .is_none_or(|wanted| wanted.iter().any(|start| name.starts_with(start.as_str())))
+    }
+
+    /// What `--isa` asks for.
+    pub fn instruction_set(&self) -> Option<InstructionSet> {
+        self.isa.map(InstructionSet::from)
     }
 
     /// Thread counts, ascending, each once.

@@ -1,7 +1,12 @@
 //! What every contender gives once it is built, and what it tells about itself.
 
+use crate::workload::Kind;
 use slimkd::{KdTree, Ray, TriangleMesh};
 use std::sync::Arc;
+use std::time::Duration;
+
+/// Rays that a batch interface gets at once: in its own layout, and still in the cache when it traces them.
+pub const PIECE: usize = 4096;
 
 /// A closest hit as all libraries can report it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,14 +34,31 @@ pub enum Interface {
     Single,
     /// Batches of rays in any order.
     Stream,
+    /// slimkd's batches of rays whose neighbours go the same way.
+    Packet,
+    /// Embree's packets, said to be coherent.
+    PacketCoherent,
+    /// Embree's packets with default flags.
+    PacketDefault,
 }
 
 impl Interface {
+    /// Whether rays of this kind are what it is made for.
+    pub const fn takes(self, kind: Kind) -> bool {
+        match self {
+            Self::Single | Self::Stream | Self::PacketDefault => true,
+            Self::Packet | Self::PacketCoherent => matches!(kind, Kind::Primary | Kind::Shadow),
+        }
+    }
+
     /// The name in tables and JSON.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Single => "single",
             Self::Stream => "stream",
+            Self::Packet => "packet",
+            Self::PacketCoherent => "packet-coherent",
+            Self::PacketDefault => "packet-default",
         }
     }
 }
@@ -102,14 +124,17 @@ pub trait Traced: Send + Sync {
         &[Interface::Single]
     }
 
-    /// Closest hits through one of its interfaces.
-    fn closest_through(&self, _interface: Interface, rays: &[Ray], found: &mut [Found]) {
+    /// Closest hits through one of its interfaces. Returns how much of the time went into bringing rays and answers into
+    /// and out of the layout of a batch interface, which is not counted.
+    fn closest_through(&self, _interface: Interface, rays: &[Ray], found: &mut [Found]) -> Duration {
         self.closest(rays, found);
+        Duration::ZERO
     }
 
-    /// Whether anything is hit, through one of its interfaces.
-    fn any_through(&self, _interface: Interface, rays: &[Ray], blocked: &mut [bool]) {
+    /// Whether anything is hit, through one of its interfaces. Returns the same.
+    fn any_through(&self, _interface: Interface, rays: &[Ray], blocked: &mut [bool]) -> Duration {
         self.any(rays, blocked);
+        Duration::ZERO
     }
 
     /// Its size; `counted` is what the build left allocated.

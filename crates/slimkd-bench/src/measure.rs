@@ -4,7 +4,7 @@ use crate::built::{Found, Interface, Traced};
 use crate::workload::Workload;
 use rayon::prelude::*;
 use slimkd::Ray;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Rays a task takes when several threads share a batch. Multiples of a tile stay whole.
 const CHUNK: usize = 4096;
@@ -50,20 +50,23 @@ impl Buffers {
         let found = &mut self.found[..rays.len()];
         let blocked = &mut self.blocked[..rays.len()];
         let start = Instant::now();
-        match (pool, workload.kind.is_any()) {
+        // What is not counted is spread over all threads.
+        let uncounted: Duration = match (pool, workload.kind.is_any()) {
             (None, false) => traced.closest_through(interface, rays, found),
             (None, true) => traced.any_through(interface, rays, blocked),
             (Some(pool), false) => pool.install(|| {
                 let batches = rays.par_chunks(CHUNK).zip(found.par_chunks_mut(CHUNK));
-                batches.for_each(|(rays, found)| traced.closest_through(interface, rays, found));
+                batches.map(|(rays, found)| traced.closest_through(interface, rays, found)).sum()
             }),
             (Some(pool), true) => pool.install(|| {
                 let batches = rays.par_chunks(CHUNK).zip(blocked.par_chunks_mut(CHUNK));
-                batches.for_each(|(rays, blocked)| traced.any_through(interface, rays, blocked));
+                batches.map(|(rays, blocked)| traced.any_through(interface, rays, blocked)).sum()
             }),
-        }
+        };
+        let elapsed = start.elapsed().as_secs_f64();
         std::hint::black_box((&self.found, &self.blocked));
-        start.elapsed().as_secs_f64()
+        let threads = pool.map_or(1, rayon::ThreadPool::current_num_threads);
+        elapsed - uncounted.as_secs_f64() / threads as f64
     }
 }
 
@@ -88,13 +91,15 @@ fn order(contenders: usize, round: usize) -> impl Iterator<Item = usize> {
 }
 
 /// Measures all contenders on all workloads that have rays. Whoever stands beside each other in time stands beside each
-/// other in the figures: within a round, a workload is traced by all contenders before the next one is.
+/// other in the figures: within a round, a workload is traced by all contenders before the next one is. Of their
+/// interfaces, those take part that are made for a workload and `wanted`.
 /// `progress` hears the number of each round before it begins.
 pub fn measure(
     contenders: &[&dyn Traced],
     workloads: &[Workload],
     threads: &[usize],
     rounds: usize,
+    wanted: impl Fn(Interface) -> bool,
     mut progress: impl FnMut(usize),
 ) -> Result<Vec<Series>, rayon::ThreadPoolBuildError> {
     let pools: Vec<Option<rayon::ThreadPool>> = threads
@@ -102,21 +107,21 @@ pub fn measure(
         .map(|&n| (n > 1).then(|| rayon::ThreadPoolBuilder::new().num_threads(n).build()).transpose())
         .collect::<Result<_, _>>()?;
     let mut buffers = Buffers::new(workloads.iter().map(|w| w.rays.len()).max().unwrap_or(0));
-    let entries: Vec<(usize, Interface)> = (0..contenders.len())
-        .flat_map(|contender| contenders[contender].interfaces().iter().map(move |&i| (contender, i)))
-        .collect();
     let mut series = Vec::new();
-    for (workload, _) in workloads.iter().enumerate().filter(|(_, w)| !w.rays.is_empty()) {
+    for (workload, asked) in workloads.iter().enumerate().filter(|(_, w)| !w.rays.is_empty()) {
         for &threads in threads {
-            for &(contender, interface) in &entries {
-                series.push(Series { contender, interface, workload, threads, seconds: Vec::new() });
+            for (contender, traced) in contenders.iter().enumerate() {
+                for &interface in traced.interfaces().iter().filter(|i| i.takes(asked.kind) && wanted(**i)) {
+                    series.push(Series { contender, interface, workload, threads, seconds: Vec::new() });
+                }
             }
         }
     }
     for round in 0..rounds {
         progress(round);
-        for block in series.chunks_mut(entries.len().max(1)) {
-            for place in order(entries.len(), round) {
+        let beside = |a: &Series, b: &Series| (a.workload, a.threads) == (b.workload, b.threads);
+        for block in series.chunk_by_mut(beside) {
+            for place in order(block.len(), round) {
                 let entry = &mut block[place];
                 let pool = threads.iter().position(|&n| n == entry.threads).and_then(|k| pools[k].as_ref());
                 let traced = contenders[entry.contender];
@@ -158,7 +163,7 @@ mod tests {
             Workload { kind: Kind::Random, rays: Vec::new() },
             Workload { kind: Kind::Shadow, rays },
         ];
-        let series = measure(&[&a, &b, &c], &workloads, &[1], 2, |_| {}).unwrap();
+        let series = measure(&[&a, &b, &c], &workloads, &[1], 2, |_| true, |_| {}).unwrap();
         assert_eq!(*log.lock().unwrap(), "abcABCbcaBCA");
         assert_eq!(series.len(), 6);
         assert!(series.iter().all(|s| s.seconds.len() == 2 && s.workload != 1));

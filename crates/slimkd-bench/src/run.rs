@@ -34,10 +34,12 @@ pub fn run(args: &Args, say: &mut dyn FnMut(&str)) -> Result<Report> {
     let mut entrants = Vec::new();
     let mesh = peers::finite(&scene.mesh);
 
-    let (others, absent) = peers::others(args.embree.as_deref());
+    let (others, absent) = peers::others(args.embree.as_deref(), args.instruction_set());
     let absent = absent.into_iter().filter(|absent| args.wants_peer(&absent.name));
     skipped.extend(absent.map(|absent| Skipped { name: absent.name, reason: absent.reason }));
-    let own = peers::slimkd(args.own_trees()?).into_iter().map(|contender| (contender, &scene.mesh));
+    let own = peers::slimkd(args.own_trees()?, args.instruction_set())
+        .into_iter()
+        .map(|contender| (contender, &scene.mesh));
     let others = others.into_iter().map(|contender| (contender, &mesh));
     for (contender, mesh) in
         own.chain(others.filter(|(contender, _)| args.wants_peer(&contender.info().name)))
@@ -79,9 +81,9 @@ pub fn run(args: &Args, say: &mut dyn FnMut(&str)) -> Result<Report> {
     }
 
     let traced: Vec<&dyn Traced> = kept.iter().map(|entrant| entrant.traced.as_ref()).collect();
-    let series = measure(&traced, &rays.workloads, &threads, args.rounds, |round| {
-        say(&format!("round {} of {}", round + 1, args.rounds));
-    })?;
+    let mut tell = |round| say(&format!("round {} of {}", round + 1, args.rounds));
+    let wanted = |interface| args.wants_interface(interface);
+    let series = measure(&traced, &rays.workloads, &threads, args.rounds, wanted, &mut tell)?;
     let mut measurements: Vec<Measurement> = series
         .into_iter()
         .map(|s| {
@@ -194,17 +196,20 @@ fn check(
     let mut identical = true;
     let mut agreement = Vec::new();
     for (workload, (closest, any)) in rays.workloads.iter().zip(&expected.0) {
-        let (found, blocked) = answers(traced, Interface::Single, workload);
-        identical &= found == *closest && blocked == *any;
-        for &interface in traced.interfaces().iter().filter(|&&i| i != Interface::Single) {
-            identical &= answers(traced, interface, workload) == (found.clone(), blocked.clone());
+        for &interface in traced.interfaces().iter().filter(|i| i.takes(workload.kind)) {
+            let (found, blocked) = answers(traced, interface, workload);
+            identical &= found == *closest && blocked == *any;
+            let counts = if workload.kind.is_any() {
+                judge.any(&workload.rays, (reference, traced), any, &blocked)
+            } else {
+                judge.closest(&workload.rays, closest, &found)
+            };
+            agreement.push(WorkloadAgreement {
+                workload: workload.kind.name().into(),
+                interface: interface.name().into(),
+                agreement: counts,
+            });
         }
-        let counts = if workload.kind.is_any() {
-            judge.any(&workload.rays, (reference, traced), any, &blocked)
-        } else {
-            judge.closest(&workload.rays, closest, &found)
-        };
-        agreement.push(WorkloadAgreement { workload: workload.kind.name().into(), agreement: counts });
     }
     let info = entrant.info.clone();
     ContenderReport {
@@ -229,6 +234,7 @@ fn settings(args: &Args, threads: Vec<usize>, view: view::View, light: [f32; 3])
         builds: args.builds,
         threads,
         seed: args.seed,
+        isa: args.instruction_set().unwrap_or(slimkd::InstructionSet::best()).name().into(),
         view,
         light,
         lift: LIFT,

@@ -5,7 +5,7 @@ use slimkd::{Preset, Ray, TriangleMesh};
 use slimkd_bench::agree::Judge;
 use slimkd_bench::args::Args;
 use slimkd_bench::built::{Contender, Found, Traced};
-use slimkd_bench::report::Report;
+use slimkd_bench::report::{Point, Report};
 use slimkd_bench::rng::Rng;
 use slimkd_bench::soup::soup;
 use slimkd_bench::vector::{Vec64, cross, dot, sub, wide};
@@ -70,23 +70,29 @@ fn agrees(name: &str, mesh: &TriangleMesh, traced: &dyn Traced, rays: &[Ray], ex
         }
     }
     let judge = Judge::new(mesh);
-    let mut found = vec![Found::MISS; rays.len()];
-    traced.closest(rays, &mut found);
-    let closest = judge.closest(rays, expected, &found);
-    assert_eq!((closest.wrong(), closest.rays), (0, rays.len() as u64), "{name}: {closest:?}");
-    assert!(closest.excused <= 3, "{name}: {closest:?}");
-
-    let mut blocked = vec![false; rays.len()];
-    traced.any(rays, &mut blocked);
     let truth: Vec<bool> = expected.iter().map(Found::is_hit).collect();
-    let any = judge.any(rays, (&Truth(mesh), traced), &truth, &blocked);
-    assert_eq!(any.wrong(), 0, "{name}: {any:?}");
+    for &interface in traced.interfaces() {
+        let mut found = vec![Found::MISS; rays.len()];
+        traced.closest_through(interface, rays, &mut found);
+        let closest = judge.closest(rays, expected, &found);
+        assert_eq!(
+            (closest.wrong(), closest.rays),
+            (0, rays.len() as u64),
+            "{name} {interface:?}: {closest:?}"
+        );
+        assert!(closest.excused <= 3, "{name} {interface:?}: {closest:?}");
+
+        let mut blocked = vec![false; rays.len()];
+        traced.any_through(interface, rays, &mut blocked);
+        let any = judge.any(rays, (&Truth(mesh), traced), &truth, &blocked);
+        assert_eq!(any.wrong(), 0, "{name} {interface:?}: {any:?}");
+    }
 }
 
 fn everybody() -> Vec<Box<dyn Contender>> {
-    let (mut all, absent) = peers::others(None);
+    let (mut all, absent) = peers::others(None, None);
     absent.iter().for_each(|absent| println!("without {}: {}", absent.name, absent.reason));
-    all.extend(peers::slimkd(Preset::ALL.iter().copied().map(Into::into).collect()));
+    all.extend(peers::slimkd(Preset::ALL.iter().copied().map(Into::into).collect(), None));
     all
 }
 
@@ -139,16 +145,18 @@ fn a_run_without_embree_names_it_and_goes_on() {
     assert!(report.contenders.iter().all(|contender| !contender.marked));
     assert_eq!(report.contenders[0].identical, Some(true));
 
-    // Everybody through every interface that it has (slimkd has streams too), at every workload and thread count, each
-    // round kept.
+    // Everybody through every interface that it has (slimkd has streams, and packets for two workloads), at every workload
+    // and thread count, each round kept.
     let interfaces = report.contenders.len() + 1;
-    assert_eq!(report.measurements.len(), interfaces * Kind::ALL.len() * 2);
+    assert_eq!(report.measurements.len(), interfaces * Kind::ALL.len() * 2 + 2 * 2);
     for m in &report.measurements {
         assert_eq!(m.seconds.len(), 2);
         assert!(m.mrays_per_s > 0.0 && m.ratio_to_standard.is_some() && m.ratio_to_embree.is_none());
     }
-    assert_eq!(report.points.len(), interfaces * 2);
-    assert!(report.points.iter().all(|point| point.mrays.len() == 4 && point.bytes_tree > 0));
+    assert_eq!(report.points.len(), (interfaces + 1) * 2);
+    let workloads = |interface: &str| if interface == "packet" { 2 } else { 4 };
+    let whole = |point: &Point| point.mrays.len() == workloads(&point.interface) && point.bytes_tree > 0;
+    assert!(report.points.iter().all(whole));
     for contender in report.contenders.iter().filter(|c| c.name != "kdtree-ray" && c.library != "tinybvh-rs")
     {
         let threads: Vec<Option<usize>> = contender.builds.iter().map(|build| build.threads).collect();

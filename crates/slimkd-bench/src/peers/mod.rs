@@ -13,7 +13,7 @@ mod triangle;
 use crate::built::Contender;
 use crate::variant::Variant;
 use crate::vector::bounds;
-use slimkd::TriangleMesh;
+use slimkd::{InstructionSet, TriangleMesh};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -32,20 +32,20 @@ pub struct Absent {
 }
 
 /// slimkd's trees.
-pub fn slimkd(trees: Vec<Variant>) -> Vec<Box<dyn Contender>> {
-    trees.into_iter().map(|tree| Box::new(own::Own::new(tree)) as Box<dyn Contender>).collect()
+pub fn slimkd(trees: Vec<Variant>, isa: Option<InstructionSet>) -> Vec<Box<dyn Contender>> {
+    trees.into_iter().map(|tree| Box::new(own::Own::new(tree, isa)) as Box<dyn Contender>).collect()
 }
 
 /// All other libraries, and those that are not there. `embree` is a file, a folder to search, or nothing: then the
-/// usual places are searched.
-pub fn others(embree: Option<&Path>) -> (Vec<Box<dyn Contender>>, Vec<Absent>) {
+/// usual places are searched. Embree uses nothing beyond `isa`; the peers in Rust, what they were compiled for.
+pub fn others(embree: Option<&Path>, isa: Option<InstructionSet>) -> (Vec<Box<dyn Contender>>, Vec<Absent>) {
     let mut peers: Vec<Box<dyn Contender>> = Vec::new();
     let mut absent = Vec::new();
     match embree::Library::find(embree) {
         Ok(library) => {
             let library = Arc::new(library);
             for variant in embree::Variant::ALL {
-                peers.push(Box::new(embree::Embree::new(library.clone(), *variant)));
+                peers.push(Box::new(embree::Embree::new(library.clone(), *variant, isa)));
             }
         }
         Err(error) => absent.push(Absent { name: "embree".into(), reason: error.to_string() }),

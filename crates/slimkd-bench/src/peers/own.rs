@@ -1,23 +1,22 @@
 //! slimkd itself, one contender a tree.
 
 use super::locked_version;
-use crate::built::{Bytes, Contender, Found, Info, Interface, SizeSource, Traced};
+use crate::built::{Bytes, Contender, Found, Info, Interface, PIECE, SizeSource, Traced};
 use crate::variant::Variant;
-use slimkd::{BuildOptions, KdTree, Layout, Ray, TriangleMesh};
+use slimkd::{BuildOptions, InstructionSet, KdTree, Layout, Ray, TriangleMesh};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
-
-/// Rays of a stream's call: its hits still lie in the cache when they are copied.
-const PIECE: usize = 4096;
+use std::time::{Duration, Instant};
 
 pub(super) struct Own {
     name: String,
     options: BuildOptions,
+    isa: Option<InstructionSet>,
 }
 
 impl Own {
-    pub(super) fn new(tree: Variant) -> Self {
-        Self { name: format!("slimkd-{}", tree.name), options: tree.options }
+    pub(super) fn new(tree: Variant, isa: Option<InstructionSet>) -> Self {
+        Self { name: format!("slimkd-{}", tree.name), options: tree.options, isa }
     }
 }
 
@@ -43,7 +42,10 @@ impl Contender for Own {
     fn build(&self, mesh: &Arc<TriangleMesh>, threads: usize) -> Result<Box<dyn Traced>, String> {
         let mut options = self.options.clone();
         options.threads = NonZeroUsize::new(threads);
-        let tree = KdTree::build(mesh.clone(), &options).map_err(|error| error.to_string())?;
+        let mut tree = KdTree::build(mesh.clone(), &options).map_err(|error| error.to_string())?;
+        if let Some(isa) = self.isa {
+            tree.set_instruction_set(isa);
+        }
         Ok(Box::new(tree))
     }
 }
@@ -81,28 +83,53 @@ impl Traced for KdTree {
     }
 
     fn interfaces(&self) -> &'static [Interface] {
-        &[Interface::Single, Interface::Stream]
+        &[Interface::Single, Interface::Stream, Interface::Packet]
     }
 
-    fn closest_through(&self, interface: Interface, rays: &[Ray], found: &mut [Found]) {
+    fn closest_through(&self, interface: Interface, rays: &[Ray], found: &mut [Found]) -> Duration {
         if interface == Interface::Single {
-            return self.closest(rays, found);
+            self.closest(rays, found);
+            return Duration::ZERO;
         }
-        let mut hits = [None; PIECE];
+        let start = Instant::now();
+        let mut tracing = Duration::ZERO;
+        let (mut own, mut hits) = (Vec::with_capacity(PIECE), vec![None; PIECE]);
         for (rays, found) in rays.chunks(PIECE).zip(found.chunks_mut(PIECE)) {
             let hits = &mut hits[..rays.len()];
-            self.closest_hits(rays, hits);
+            own.clear();
+            own.extend_from_slice(rays);
+            let traced = Instant::now();
+            match interface {
+                Interface::Packet => self.closest_hits_coherent(&own, hits),
+                _ => self.closest_hits(&own, hits),
+            }
+            tracing += traced.elapsed();
             for (slot, hit) in found.iter_mut().zip(hits) {
                 *slot = hit.map_or(Found::MISS, |hit| Found { t: hit.t, triangle: hit.triangle });
             }
         }
+        start.elapsed() - tracing
     }
 
-    fn any_through(&self, interface: Interface, rays: &[Ray], blocked: &mut [bool]) {
+    fn any_through(&self, interface: Interface, rays: &[Ray], blocked: &mut [bool]) -> Duration {
         if interface == Interface::Single {
-            return self.any(rays, blocked);
+            self.any(rays, blocked);
+            return Duration::ZERO;
         }
-        self.any_hits(rays, blocked);
+        let start = Instant::now();
+        let mut tracing = Duration::ZERO;
+        let mut own = Vec::with_capacity(PIECE);
+        for (rays, blocked) in rays.chunks(PIECE).zip(blocked.chunks_mut(PIECE)) {
+            own.clear();
+            own.extend_from_slice(rays);
+            let traced = Instant::now();
+            match interface {
+                Interface::Packet => self.any_hits_coherent(&own, blocked),
+                _ => self.any_hits(&own, blocked),
+            }
+            tracing += traced.elapsed();
+        }
+        start.elapsed() - tracing
     }
 
     fn bytes(&self, _counted: u64) -> Bytes {

@@ -1,11 +1,12 @@
 //! What `--json` writes. Keys stay; new ones may come.
 
 use crate::agree::Agreement;
-use crate::built::Bytes;
+use crate::built::{Bytes, Interface};
 use crate::machine::Machine;
 use crate::median::{median, speed_ratios};
 use crate::peers::{EMBREE, STANDARD};
 use crate::view::View;
+use crate::workload::Kind;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -52,6 +53,9 @@ pub struct Settings {
     pub threads: Vec<usize>,
     /// Seed of bounce and random rays.
     pub seed: u64,
+    /// Instruction set that slimkd uses, and with `--isa` Embree too.
+    #[serde(default)]
+    pub isa: String,
     /// The camera.
     pub view: View,
     /// Where shadow rays go.
@@ -174,6 +178,9 @@ pub struct Build {
 pub struct WorkloadAgreement {
     /// The workload's name.
     pub workload: String,
+    /// How rays were handed over.
+    #[serde(default)]
+    pub interface: String,
     /// The counts.
     #[serde(flatten)]
     pub agreement: Agreement,
@@ -209,6 +216,9 @@ pub struct Measurement {
     pub ratio_to_standard: Option<f64>,
     /// Times as fast as Embree MEDIUM, where it took part.
     pub ratio_to_embree: Option<f64>,
+    /// Times as fast as Embree MEDIUM's packets: with the coherent flag on primary and shadow rays, else with default flags.
+    #[serde(default)]
+    pub ratio_to_packets: Option<f64>,
 }
 
 impl Measurement {
@@ -232,24 +242,29 @@ impl Measurement {
             mrays_per_s: median(&rates).unwrap_or(0.0),
             ratio_to_standard: None,
             ratio_to_embree: None,
+            ratio_to_packets: None,
         }
     }
 
-    /// Fills the ratios of all, each within its workload, threads and round. The base is the one-call-a-ray interface.
+    /// Fills the ratios of all, each within its workload, threads and round. The base is the one-call-a-ray interface,
+    /// and Embree's packets.
     pub fn fill_ratios(all: &mut [Self]) {
-        let bases: Vec<Self> = all
-            .iter()
-            .filter(|m| m.interface == "single" && (m.contender == STANDARD || m.contender == EMBREE))
-            .cloned()
-            .collect();
+        let bases: Vec<Self> =
+            all.iter().filter(|m| m.contender == STANDARD || m.contender == EMBREE).cloned().collect();
         for own in all {
-            let ratio = |base: &str| {
+            let ratio = |base: &str, interface: Interface| {
                 let base = bases.iter().find(|m| {
-                    m.contender == base && m.workload == own.workload && m.threads == own.threads
+                    (m.contender.as_str(), m.interface.as_str()) == (base, interface.name())
+                        && m.workload == own.workload
+                        && m.threads == own.threads
                 })?;
                 median(&speed_ratios(&base.seconds, &own.seconds))
             };
-            (own.ratio_to_standard, own.ratio_to_embree) = (ratio(STANDARD), ratio(EMBREE));
+            own.ratio_to_standard = ratio(STANDARD, Interface::Single);
+            own.ratio_to_embree = ratio(EMBREE, Interface::Single);
+            let coherent = [Kind::Primary, Kind::Shadow].iter().any(|kind| kind.name() == own.workload);
+            let packets = if coherent { Interface::PacketCoherent } else { Interface::PacketDefault };
+            own.ratio_to_packets = ratio(EMBREE, packets);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The report as text for a terminal.
 
 use super::{ContenderReport, Measurement, Report};
-use crate::agree::MARKED_SHARE;
+use crate::agree::{Agreement, MARKED_SHARE};
 use crate::built::Interface;
 use crate::median::median;
 use crate::peers::{EMBREE, STANDARD};
@@ -141,14 +141,24 @@ fn agreement(report: &Report, out: &mut String) {
     titles.extend(report.workloads.iter().map(|workload| workload.name.as_str()));
     let mut grid = Grid::new(&titles);
     for contender in report.contenders.iter().filter(|c| c.identical != Some(true)) {
-        let mut row = vec![mark(contender)];
-        for workload in &report.workloads {
-            let counts = contender.agreement.iter().find(|a| a.workload == workload.name);
-            row.push(
-                counts.map_or("-".into(), |a| format!("{} + {}", a.agreement.wrong(), a.agreement.excused)),
-            );
+        let mut interfaces: Vec<&str> = Vec::new();
+        for a in &contender.agreement {
+            if !interfaces.contains(&a.interface.as_str()) {
+                interfaces.push(&a.interface);
+            }
         }
-        grid.0.push(row);
+        for interface in interfaces {
+            let mut row = vec![through(contender, interface)];
+            for workload in &report.workloads {
+                let counts = contender
+                    .agreement
+                    .iter()
+                    .find(|a| (&a.workload, a.interface.as_str()) == (&workload.name, interface));
+                let text = |a: &Agreement| format!("{} + {}", a.wrong(), a.excused);
+                row.push(counts.map_or("-".into(), |a| text(&a.agreement)));
+            }
+            grid.0.push(row);
+        }
     }
     if grid.0.len() > 1 {
         grid.print(out);
@@ -166,6 +176,12 @@ fn mark(contender: &ContenderReport) -> String {
     format!("{}{}", contender.name, if contender.marked { " !" } else { "" })
 }
 
+/// A contender, and how rays are handed to it unless it is one call a ray.
+fn through(contender: &ContenderReport, interface: &str) -> String {
+    let name = mark(contender);
+    if interface == Interface::Single.name() { name } else { format!("{name} {interface}") }
+}
+
 fn rates(report: &Report, threads: usize, out: &mut String) {
     let has_embree = report.contenders.iter().any(|c| c.name == EMBREE);
     let first = format!("{threads} thread{}", if threads == 1 { "" } else { "s" });
@@ -175,6 +191,7 @@ fn rates(report: &Report, threads: usize, out: &mut String) {
         titles.push("x std".into());
         if has_embree {
             titles.push("x emb".into());
+            titles.push("x pkt".into());
         }
     }
     let mut grid = Grid::new(&titles.iter().map(String::as_str).collect::<Vec<_>>());
@@ -187,9 +204,7 @@ fn rates(report: &Report, threads: usize, out: &mut String) {
         }
     }
     for (contender, interface) in rows {
-        let single = interface == Interface::Single.name();
-        let name = mark(contender);
-        let mut row = vec![if single { name } else { format!("{name} {interface}") }];
+        let mut row = vec![through(contender, interface)];
         for workload in &report.workloads {
             let found = report.measurements.iter().find(|m: &&Measurement| {
                 (&m.contender, &m.workload) == (&contender.name, &workload.name)
@@ -200,6 +215,7 @@ fn rates(report: &Report, threads: usize, out: &mut String) {
             row.push(figure(found.and_then(|m| m.ratio_to_standard)));
             if has_embree {
                 row.push(figure(found.and_then(|m| m.ratio_to_embree)));
+                row.push(figure(found.and_then(|m| m.ratio_to_packets)));
             }
         }
         grid.0.push(row);

@@ -25,6 +25,10 @@ pub(super) const QUALITY_MEDIUM: c_int = 1;
 pub(super) const QUALITY_HIGH: c_int = 2;
 /// `RTC_DEVICE_PROPERTY_VERSION`
 pub(super) const PROPERTY_VERSION: c_int = 0;
+/// `RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED`
+pub(super) const PROPERTY_RAY16: c_int = 34;
+/// `RTC_RAY_QUERY_FLAG_COHERENT`
+pub(super) const QUERY_COHERENT: c_int = 1 << 16;
 
 /// `RTCDevice`, `RTCScene` and `RTCGeometry` are pointers to what only Embree knows.
 pub(super) type Handle = *mut c_void;
@@ -64,8 +68,109 @@ pub(super) struct RtcRayHit {
     pub(super) hit: RtcHit,
 }
 
+/// `RTCRay16`, `RTCRay8`
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+pub(super) struct RtcRayN<const N: usize> {
+    pub(super) origin: [[f32; N]; 3],
+    pub(super) tnear: [f32; N],
+    pub(super) direction: [[f32; N]; 3],
+    pub(super) time: [f32; N],
+    pub(super) tfar: [f32; N],
+    pub(super) mask: [u32; N],
+    pub(super) id: [u32; N],
+    pub(super) flags: [u32; N],
+}
+
+impl<const N: usize> RtcRayN<N> {
+    /// No rays.
+    pub(super) const NONE: Self = Self {
+        origin: [[0.0; N]; 3],
+        tnear: [0.0; N],
+        direction: [[0.0; N]; 3],
+        time: [0.0; N],
+        tfar: [0.0; N],
+        mask: [u32::MAX; N],
+        id: [0; N],
+        flags: [0; N],
+    };
+
+    /// Puts a ray into a lane.
+    #[inline(always)]
+    pub(super) fn set(&mut self, lane: usize, ray: &slimkd::Ray) {
+        for k in 0..3 {
+            self.origin[k][lane] = ray.origin[k];
+            self.direction[k][lane] = ray.direction[k];
+        }
+        (self.tnear[lane], self.tfar[lane]) = (ray.t_min, ray.t_max);
+    }
+}
+
+/// `RTCHit16`, `RTCHit8`, as [`RtcHit`]
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub(super) struct RtcHitN<const N: usize> {
+    pub(super) normal: [[f32; N]; 3],
+    pub(super) u: [f32; N],
+    pub(super) v: [f32; N],
+    pub(super) primitive: [u32; N],
+    pub(super) geometry: [u32; N],
+    pub(super) instance: [u32; N],
+    pub(super) instance_primitive: [u32; N],
+}
+
+/// `RTCRayHit16`, `RTCRayHit8`
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+pub(super) struct RtcRayHitN<const N: usize> {
+    pub(super) ray: RtcRayN<N>,
+    pub(super) hit: RtcHitN<N>,
+}
+
+impl<const N: usize> RtcRayHitN<N> {
+    /// No rays, no hits.
+    pub(super) const NONE: Self = Self {
+        ray: RtcRayN::NONE,
+        hit: RtcHitN {
+            normal: [[0.0; N]; 3],
+            u: [0.0; N],
+            v: [0.0; N],
+            primitive: [INVALID; N],
+            geometry: [INVALID; N],
+            instance: [INVALID; N],
+            instance_primitive: [INVALID; N],
+        },
+    };
+}
+
+/// `RTCIntersectArguments`, `RTCOccludedArguments`
+#[repr(C)]
+pub(super) struct RtcArguments {
+    pub(super) flags: c_int,
+    pub(super) features: c_int,
+    pub(super) context: *mut c_void,
+    pub(super) filter: *const c_void,
+    pub(super) callback: *const c_void,
+    /// Only where Embree was compiled with `RTC_MIN_WIDTH`.
+    pub(super) min_width: f32,
+}
+
+impl RtcArguments {
+    /// As `rtcInitIntersectArguments`.
+    pub(super) const DEFAULT: Self = Self {
+        flags: 0,
+        features: -1,
+        context: std::ptr::null_mut(),
+        filter: std::ptr::null(),
+        callback: std::ptr::null(),
+        min_width: 0.0,
+    };
+}
+
 // Embree writes into these: a wrong size would be memory corruption.
 const _: () = assert!(size_of::<RtcRay>() == 48 && size_of::<RtcRayHit>() == 96);
+const _: () = assert!(size_of::<RtcRayN<16>>() == 768 && size_of::<RtcRayHitN<16>>() == 1344);
+const _: () = assert!(size_of::<RtcRayN<8>>() == 384 && size_of::<RtcHitN<8>>() == 288);
 
 /// `RTCMemoryMonitorFunction`
 pub(super) type Monitor = unsafe extern "C" fn(user: *mut c_void, bytes: isize, post: bool) -> bool;
@@ -110,4 +215,8 @@ entry_points! {
     release_geometry = "rtcReleaseGeometry": fn(Handle);
     intersect = "rtcIntersect1": fn(Handle, *mut RtcRayHit, *const c_void);
     occluded = "rtcOccluded1": fn(Handle, *mut RtcRay, *const c_void);
+    intersect16 = "rtcIntersect16": fn(*const c_int, Handle, *mut RtcRayHitN<16>, *const c_void);
+    occluded16 = "rtcOccluded16": fn(*const c_int, Handle, *mut RtcRayN<16>, *const c_void);
+    intersect8 = "rtcIntersect8": fn(*const c_int, Handle, *mut RtcRayHitN<8>, *const c_void);
+    occluded8 = "rtcOccluded8": fn(*const c_int, Handle, *mut RtcRayN<8>, *const c_void);
 }

@@ -2,15 +2,17 @@
 
 mod abi;
 mod library;
+mod packet;
 
 pub use library::{Library, LoadError};
 
-use crate::built::{Bytes, Contender, Found, Info, SizeSource, Traced};
+use crate::built::{Bytes, Contender, Found, Info, Interface, SizeSource, Traced};
 use abi::*;
-use slimkd::{Ray, TriangleMesh};
+use slimkd::{InstructionSet, Ray, TriangleMesh};
 use std::ffi::{CString, c_int, c_void};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicIsize, Ordering::Relaxed};
+use std::time::Duration;
 
 /// The settings that are measured. HIGH has no effect together with COMPACT or ROBUST, so these are all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,12 +60,13 @@ impl Variant {
 pub struct Embree {
     library: Arc<Library>,
     variant: Variant,
+    isa: Option<InstructionSet>,
 }
 
 impl Embree {
-    /// One variant of a loaded library.
-    pub fn new(library: Arc<Library>, variant: Variant) -> Self {
-        Self { library, variant }
+    /// One variant of a loaded library, held to an instruction set or free to choose.
+    pub fn new(library: Arc<Library>, variant: Variant, isa: Option<InstructionSet>) -> Self {
+        Self { library, variant, isa }
     }
 }
 
@@ -75,8 +78,9 @@ impl Contender for Embree {
             library: "embree",
             version: self.library.version.clone(),
             settings: format!(
-                "{settings}; rtcIntersect1 / rtcOccluded1; returns u, v and a normal; run-time choice of the \
-                 instruction set; denormals not flushed"
+                "{settings}; rtcIntersect1 / rtcOccluded1, packets of 16 with AVX-512 and of 8 below; returns u, v and a \
+                 normal; instruction set {}; denormals not flushed",
+                self.isa.map_or("chosen while running", InstructionSet::name)
             ),
             sah: "Embree's own (binned; spatial splits with HIGH), not settable here".into(),
         }
@@ -93,6 +97,8 @@ struct Built {
     variant: Variant,
     device: Handle,
     scene: Handle,
+    /// Packets have 16 rays, not 8.
+    wide: bool,
     /// x, y, z of each vertex, and 16 bytes that Embree may read past the end.
     _vertices: Vec<f32>,
     mesh: Arc<TriangleMesh>,
@@ -120,12 +126,14 @@ impl Built {
         let mut vertices: Vec<f32> = Vec::with_capacity(3 * mesh.vertices().len() + 4);
         vertices.extend(mesh.vertices().iter().flatten());
         vertices.extend([0.0; 4]);
-        let config = CString::new(format!("threads={threads}")).map_err(|error| error.to_string())?;
+        // `isa` alone would leave out the levels below it, which other parts of Embree are compiled for.
+        let isa = embree.isa.map_or(String::new(), |isa| format!(",max_isa={}", isa.name()));
+        let config = CString::new(format!("threads={threads}{isa}")).map_err(|error| error.to_string())?;
         let (_, quality, flags) = embree.variant.settings();
         let allocated = Box::new(AtomicIsize::new(0));
         // SAFETY: the calls and their order are those of the API manual. The counter, the vertices (padded) and the
         // mesh that holds the indices are stored in `Built` and so outlive scene and device.
-        let (device, scene, error) = unsafe {
+        let (device, scene, wide, error) = unsafe {
             let device = (api.new_device)(config.as_ptr());
             if device.is_null() {
                 return Err("Embree makes no device".into());
@@ -144,11 +152,20 @@ impl Built {
             (api.attach_geometry)(scene, geometry);
             (api.release_geometry)(geometry);
             (api.commit_scene)(scene);
-            (device, scene, (api.device_error)(device))
+            let wide = (api.device_property)(device, PROPERTY_RAY16) != 0;
+            (device, scene, wide, (api.device_error)(device))
         };
         let (library, variant) = (embree.library.clone(), embree.variant);
-        let built =
-            Self { library, variant, device, scene, _vertices: vertices, mesh: mesh.clone(), allocated };
+        let built = Self {
+            library,
+            variant,
+            device,
+            scene,
+            wide,
+            _vertices: vertices,
+            mesh: mesh.clone(),
+            allocated,
+        };
         if error == 0 { Ok(built) } else { Err(format!("Embree reports error {error}")) }
     }
 
@@ -210,6 +227,26 @@ impl Traced for Built {
             unsafe { occluded(self.scene, &mut query, std::ptr::null()) };
             *slot = query.tfar == f32::NEG_INFINITY;
         }
+    }
+
+    fn interfaces(&self) -> &'static [Interface] {
+        &[Interface::Single, Interface::PacketCoherent, Interface::PacketDefault]
+    }
+
+    fn closest_through(&self, interface: Interface, rays: &[Ray], found: &mut [Found]) -> Duration {
+        if interface == Interface::Single {
+            self.closest(rays, found);
+            return Duration::ZERO;
+        }
+        self.closest_packets(interface == Interface::PacketCoherent, rays, found)
+    }
+
+    fn any_through(&self, interface: Interface, rays: &[Ray], blocked: &mut [bool]) -> Duration {
+        if interface == Interface::Single {
+            self.any(rays, blocked);
+            return Duration::ZERO;
+        }
+        self.any_packets(interface == Interface::PacketCoherent, rays, blocked)
     }
 
     fn bytes(&self, _counted: u64) -> Bytes {
