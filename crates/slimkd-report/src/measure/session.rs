@@ -37,11 +37,13 @@ pub struct Session<'a> {
     deadline: Option<Instant>,
     /// Units of this scene that are still to be done.
     left: Cell<usize>,
+    /// Something was measured.
+    worked: Cell<bool>,
 }
 
 impl<'a> Session<'a> {
     /// Goes on in `folder`, or begins there; ends with [`ReportError::TimeUp`] before the first unit that would begin after
-    /// `limit`.
+    /// `limit`, but never before one was measured: whoever calls again and again comes to an end.
     pub fn new(
         folder: &Path,
         options: &'a Options,
@@ -53,7 +55,15 @@ impl<'a> Session<'a> {
             devices.push(Box::new(Cpu::new(threads)?));
         }
         let deadline = limit.map(|limit| Instant::now() + limit);
-        Ok(Self { store: Store::open(folder)?, options, progress, devices, deadline, left: Cell::new(0) })
+        Ok(Self {
+            store: Store::open(folder)?,
+            options,
+            progress,
+            devices,
+            deadline,
+            left: Cell::new(0),
+            worked: Cell::new(false),
+        })
     }
 
     /// Measures frames on another device too.
@@ -220,7 +230,7 @@ impl<'a> Session<'a> {
         if let Some(result) = self.store.get(&unit.name, &unit.decides) {
             return Ok(result);
         }
-        if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+        if self.worked.get() && self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
             return Err(ReportError::TimeUp { left: self.left.get().max(1) });
         }
         let result = work()?;
@@ -228,6 +238,7 @@ impl<'a> Session<'a> {
         self.store.put(&unit.name, &unit.decides, &result)?;
         self.progress.done(unit.weight);
         self.left.set(self.left.get().saturating_sub(1));
+        self.worked.set(true);
         Ok(result)
     }
 

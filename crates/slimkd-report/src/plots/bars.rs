@@ -29,7 +29,7 @@ pub(super) fn bars(label: &str, axis: &str, parts: &[(&str, usize)], bars: &[Bar
     let top = if parts.len() > 1 { legend(&mut svg, 16.0, 4.0, &entries, true) + 12.0 } else { 8.0 };
     // Long names lie above their bars.
     let longest = bars.iter().map(|bar| width_of(&bar.name)).fold(0.0, f64::max);
-    let above = longest > 150.0;
+    let above = longest > 170.0;
     let step = if above { STEP + 16.0 } else { STEP };
     let bottom = top + step * bars.len() as f64;
     let left = if above { 10.0 } else { longest + 10.0 };

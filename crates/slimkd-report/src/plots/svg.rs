@@ -15,8 +15,8 @@ svg.plot .axis { stroke: var(--soft); fill: none; } svg.plot .grid { stroke: var
 svg.plot .hollow { fill: var(--paper); }
 ";
 
-/// Mean width of a letter at 12 px: what keeps texts apart.
-pub(super) const LETTER: f64 = 6.3;
+/// Mean width of a letter at 12 px in a wide font: what keeps texts apart.
+pub(super) const LETTER: f64 = 7.0;
 
 /// Width of every plot: on a phone it is shown at about four fifths of that, so texts stay readable.
 pub(super) const WIDTH: f64 = 460.0;

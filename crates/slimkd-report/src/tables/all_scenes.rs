@@ -74,7 +74,7 @@ pub fn machine(json: Json<'_>) -> Table {
     table.ours(row!["system", format!("{}, {}", json.text("/machine/os"), json.text("/machine/arch"))]);
     table.ours(row!["threads at once", json.number("/machine/parallelism")]);
     table.ours(row!["vector extensions", list("/machine/detected")]);
-    table.ours(row!["thread counts", list("/options/threads")]);
+    table.ours(row!["builds and frames on", format!("{} threads", list("/options/threads"))]);
     table.ours(row!["frames, pixels on an edge", json.number("/options/frame_edge")]);
     table.ours(row!["sweep and ablation, pixels on an edge", json.number("/options/sweep_edge")]);
     table.ours(row!["heat maps, pixels on an edge", json.number("/options/heat_edge")]);
