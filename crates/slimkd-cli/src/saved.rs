@@ -5,7 +5,8 @@ use crate::failure::Failure;
 use crate::interrupt::Interruptible;
 use crate::scenes::{self, Loaded};
 use crate::ui::Ui;
-use slimkd::KdTree;
+use memmap2::Mmap;
+use slimkd::{KdTree, OpenTree};
 use slimkd_scene::{Material, Scene};
 use std::fs::File;
 use std::io::BufReader;
@@ -51,6 +52,16 @@ pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded
     };
     scene.name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Ok(Loaded { scene, seconds: before + started.elapsed().as_secs_f64(), tree: Some(tree) })
+}
+
+/// Maps a tree into memory and proves nothing of it but its table: ready at once.
+pub(crate) fn map(path: &Path) -> Result<OpenTree<Mmap>, Failure> {
+    let file = open(path)?;
+    // SAFETY: the bytes may change while another process writes to the file, which `slimkd` itself never does to a file in
+    // place. `OpenTree` believes none of them, copies what it decides by, and checks every access.
+    let bytes = unsafe { Mmap::map(&file) }
+        .map_err(|error| Failure::at(path, format_args!("cannot map: {error}; leave out --no-verify")))?;
+    OpenTree::open(bytes).map_err(|error| Failure::at(path, error))
 }
 
 /// Opens a regular file: a pipe could block for ever.

@@ -52,6 +52,33 @@ fn a_saved_tree_traces_like_its_scene() {
 }
 
 #[test]
+fn a_tree_that_is_not_verified_traces_alike_and_damage_is_an_error() {
+    let tool = Tool::new();
+    let rays: Vec<_> = (0..3000)
+        .map(|k| Ray::new([0.01 * (k % 500) as f32 - 2.5, 1.5, 0.0], [0.3, -0.2, 0.1 * (k % 7) as f32]))
+        .collect();
+    ray_file(&tool.path("rays.f32"), &rays);
+    for preset in ["slim", "paper-small"] {
+        tool.ok(&format!("build {SCENE} --preset {preset} -o tree.skd"));
+        for kind in ["closest", "any"] {
+            let line = format!("trace tree.skd --rays rays.f32 --kind {kind}");
+            tool.ok(&format!("{line} --out proved.bin"));
+            tool.ok(&format!("{line} --out open.bin --no-verify"));
+            let read = |name: &str| std::fs::read(tool.path(name)).unwrap();
+            assert!(read("proved.bin") == read("open.bin"), "{preset} {kind}");
+        }
+    }
+    let mut bent = std::fs::read(tool.path("tree.skd")).unwrap();
+    let end = bent.len() - 2000;
+    bent[end / 2..end].fill(0xff);
+    tool.file("bent.skd", bent);
+    tool.fails("trace bent.skd --rays rays.f32 --out none.bin --no-verify", 1, &["damaged tree"]);
+    assert!(!tool.files().contains("none.bin"));
+    tool.fails("trace kitchen --rays rays.f32 --out none.bin --no-verify", 2, &["only a saved tree"]);
+    assert_eq!(tool.run("trace tree.skd --rays rays.f32 --out a.bin --no-verify --kernel packet").status, 2);
+}
+
+#[test]
 fn damaged_trees_are_refused() {
     let tool = Tool::new();
     tool.ok(&format!("build {SCENE} -o tree.skd"));

@@ -7,10 +7,11 @@ use crate::kernel::Kernel;
 use crate::output::{Output, unwritable};
 use crate::rays::{BATCH, RayFile, encode_any, encode_closest};
 use crate::ui::{Ui, Watched, grouped};
-use crate::{scenes, trees};
+use crate::{saved, scenes, trees};
 use clap::Args;
+use memmap2::Mmap;
 use rayon::prelude::*;
-use slimkd::{KdTree, Ray};
+use slimkd::{KdTree, OpenTree, Ray};
 use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -23,6 +24,7 @@ const EXAMPLES: &str = "\
 Examples:
   slimkd trace building.ply.zst --rays rays.f32 --out hits.bin
   slimkd trace building.skd --rays rays.f32 --out hits.bin --kind any --threads 4
+  slimkd trace huge.skd --rays few.f32 --out hits.bin --no-verify
 
 Rays: little-endian f32 x 8 each, ox oy oz t_min dx dy dz t_max.
 Hits: 16 bytes each, t f32 (+inf on a miss), triangle u32 (0xFFFFFFFF on a miss), u f32,
@@ -46,6 +48,10 @@ pub(crate) struct TraceArgs {
     /// How rays are traced; the hits are the same with all
     #[arg(long, value_enum, default_value_t = Kernel::Single)]
     kernel: Kernel,
+    /// Trace a saved tree where it lies, ready at once: it is not proved sound, every access is checked instead, and a ray
+    /// takes longer
+    #[arg(long, conflicts_with_all = ["mesh", "triangles", "kernel"])]
+    no_verify: bool,
     #[command(flatten)]
     tree: TreeArgs,
 }
@@ -54,10 +60,7 @@ pub(crate) struct TraceArgs {
 pub(crate) fn run(args: &TraceArgs, ui: Ui) -> Result<(), Failure> {
     let output = Output::prepare(&args.out)?;
     let mut input = RayFile::open(&args.rays)?;
-    let mut loaded = scenes::load(&args.scene.scene, &args.scene.details, ui)?;
-    let tree = trees::take_or_build(&mut loaded, &args.tree, ui)?;
-    trees::warn_of_degenerate(&tree.statistics, ui);
-    drop(loaded);
+    let tree = Source::of(args, ui)?;
     let pool = trees::pool(trees::thread_count(args.tree.threads))?;
     let progress = Progress { total: input.count().unwrap_or(0), ..Progress::default() };
     let started = Instant::now();
@@ -70,7 +73,7 @@ pub(crate) fn run(args: &TraceArgs, ui: Ui) -> Result<(), Failure> {
             if buffers.rays.is_empty() {
                 return draft.commit();
             }
-            let hits = pool.install(|| buffers.trace(&tree.tree, args.kernel, args.kind));
+            let hits = pool.install(|| buffers.trace(&tree, args.kernel, args.kind))?;
             let bytes = buffers.records.as_flattened();
             draft.write_all(bytes).map_err(|error| unwritable(output.path(), &error))?;
             progress.rays.fetch_add(buffers.rays.len() as u64, Relaxed);
@@ -89,6 +92,29 @@ pub(crate) fn run(args: &TraceArgs, ui: Ui) -> Result<(), Failure> {
     Ok(())
 }
 
+/// What is traced.
+enum Source {
+    Proved(Box<KdTree>),
+    Open(Box<OpenTree<Mmap>>),
+}
+
+impl Source {
+    fn of(args: &TraceArgs, ui: Ui) -> Result<Self, Failure> {
+        let scene = &args.scene.scene;
+        if args.no_verify {
+            if !saved::is_saved(scene) {
+                let what = "only a saved tree can be traced with --no-verify; leave it out";
+                return Err(Failure::Usage(format!("{}: {what}", scene.display())));
+            }
+            return saved::map(scene).map(|tree| Self::Open(Box::new(tree)));
+        }
+        let mut loaded = scenes::load(scene, &args.scene.details, ui)?;
+        let tree = trees::take_or_build(&mut loaded, &args.tree, ui)?;
+        trees::warn_of_degenerate(&tree.statistics, ui);
+        Ok(Self::Proved(Box::new(tree.tree)))
+    }
+}
+
 /// One batch on its way through.
 #[derive(Default)]
 struct Buffers {
@@ -98,11 +124,19 @@ struct Buffers {
 
 impl Buffers {
     /// Fills the records of the batch's rays; returns how many hit.
-    fn trace(&mut self, tree: &KdTree, kernel: Kernel, kind: Kind) -> u64 {
+    fn trace(&mut self, tree: &Source, kernel: Kernel, kind: Kind) -> Result<u64, Failure> {
         debug_assert!(self.rays.len() <= BATCH);
         self.records.resize(self.rays.len(), [0; 16]);
         let chunks = self.rays.par_chunks(CHUNK).zip(self.records.par_chunks_mut(CHUNK));
-        chunks.map(|(rays, records)| trace_chunk(tree, kernel, kind, rays, records)).sum()
+        match tree {
+            Source::Proved(tree) => {
+                Ok(chunks.map(|(rays, records)| trace_chunk(tree, kernel, kind, rays, records)).sum())
+            }
+            Source::Open(tree) => {
+                let chunks = chunks.map(|(rays, records)| trace_unproved(tree, kind, rays, records));
+                chunks.try_reduce(|| 0, |a, b| Ok(a + b)).map_err(Failure::work)
+            }
+        }
     }
 }
 
@@ -127,6 +161,25 @@ fn trace_chunk(tree: &KdTree, kernel: Kernel, kind: Kind, rays: &[Ray], records:
         }
     }
     found
+}
+
+/// Ray by ray: batches need a proved tree.
+fn trace_unproved(
+    tree: &OpenTree<Mmap>,
+    kind: Kind,
+    rays: &[Ray],
+    records: &mut [[u8; 16]],
+) -> Result<u64, slimkd::FileError> {
+    let mut found = 0;
+    for (ray, record) in rays.iter().zip(records) {
+        let hit;
+        (hit, *record) = match kind {
+            Kind::Closest => tree.closest_hit(ray).map(|hit| (hit.is_some(), encode_closest(hit)))?,
+            Kind::Any => tree.any_hit(ray).map(|hit| (hit, encode_any(hit)))?,
+        };
+        found += u64::from(hit);
+    }
+    Ok(found)
 }
 
 /// How far the file has been traced. Ctrl-C is looked at between batches, so there is nothing to cancel.
