@@ -56,6 +56,12 @@ impl Progress {
         self.done.fetch_add(weight, Relaxed);
     }
 
+    /// All is there, measured now or before.
+    pub(crate) fn finish(&self) {
+        let total = self.total.fetch_max(1, Relaxed).max(1);
+        self.done.store(total, Relaxed);
+    }
+
     pub(crate) fn building(&self) -> Arc<slimkd::Progress> {
         let progress = Arc::new(slimkd::Progress::new());
         self.set(Inner::Build(Arc::clone(&progress)));

@@ -74,7 +74,8 @@ fn hoisting_saves_and_collapse_never_costs() {
     let build = |preset: Preset, collapse: bool| {
         let mut options = BuildOptions::from(preset);
         options.collapse = collapse;
-        options.byte_weight = 0.0; // with a weight, bytes may be bought with rays
+        // With a weight, bytes may be bought with rays; and a bound on bytes sets a weight.
+        (options.byte_weight, options.max_tree) = (0.0, None);
         KdTree::build(Arc::clone(&mesh), &options).unwrap()
     };
     let [standard, fast, small] =

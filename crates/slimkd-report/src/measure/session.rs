@@ -199,6 +199,7 @@ impl<'a> Session<'a> {
 
     /// All that was measured, to be written.
     pub fn raw(&self, scenes: Vec<Scene>, scaling: Vec<ScalingPoint>) -> Raw {
+        self.progress.finish();
         Raw {
             schema: SCHEMA,
             tool: format!("slimkd report {}", env!("CARGO_PKG_VERSION")),
