@@ -12,6 +12,7 @@ pub mod rng;
 pub mod run;
 pub mod scene;
 pub mod soup;
+pub mod truth;
 pub mod variant;
 pub mod vector;
 pub mod view;
