@@ -139,7 +139,7 @@ mod tests {
             (Verdicts::default(), Verdicts::default(), Verdicts::default(), Verdicts::default());
         for _ in 0..2000 {
             let origin = std::array::from_fn(|_| rng.between(-0.5, 1.5));
-            let ray = Ray::new(origin, crate::vector::narrow(rng.direction()));
+            let ray = Ray::new(origin, rng.direction());
             let hit = tree.closest_hit(&ray);
             right += truth.closest(&ray, hit);
             right += truth.any(&ray, hit.is_some());

@@ -140,7 +140,7 @@ impl<'a> Session<'a> {
             triangles: scene.mesh.len() as u64,
             vertices: scene.mesh.vertices().len() as u64,
             degenerate: 0,
-            mesh_bytes: scene.mesh.memory_bytes() as u64,
+            mesh_bytes: scene.mesh.memory_bytes(),
             very_large,
             published: self.published(scene, very_large),
             views: views.clone(),

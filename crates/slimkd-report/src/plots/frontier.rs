@@ -111,12 +111,12 @@ pub(super) fn figure(panel: &Panel, vertical: &str, horizontal: &str) -> String 
 
 /// What marks stand for, at height `y`.
 fn key(out: &mut String, y: f64) {
-    let _ = write!(
+    let _ = writeln!(
         out,
         "<circle fill=\"var(--c3)\" cx=\"60\" cy=\"{y}\" r=\"5\"/><text x=\"70\" y=\"{t}\">slimkd presets</text>\
          <circle fill=\"var(--c2)\" cx=\"180\" cy=\"{y}\" r=\"3\"/><text x=\"190\" y=\"{t}\">slimkd sweeps</text>\
          <rect fill=\"var(--c5)\" x=\"296\" y=\"{s}\" width=\"8\" height=\"8\"/><text x=\"310\" y=\"{t}\">other \
-         libraries</text>\n",
+         libraries</text>",
         t = y + 3.5,
         s = y - 4.0
     );
