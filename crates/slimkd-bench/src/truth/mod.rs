@@ -137,7 +137,7 @@ mod tests {
         let mut rng = Rng::new(3);
         let (mut right, mut hidden, mut moved, mut shadows) =
             (Verdicts::default(), Verdicts::default(), Verdicts::default(), Verdicts::default());
-        for _ in 0..2000 {
+        for _ in 0..20_000 {
             let origin = std::array::from_fn(|_| rng.between(-0.5, 1.5));
             let ray = Ray::new(origin, rng.direction());
             let hit = tree.closest_hit(&ray);
