@@ -50,6 +50,8 @@ pub(crate) enum Command {
     Trace(commands::trace::TraceArgs),
     /// Measure the presets against each other
     Bench(commands::bench::BenchArgs),
+    /// List what rays can be traced on
+    Devices(commands::devices::DevicesArgs),
     /// List the built-in scenes, or write one as a PLY file
     Scene(commands::scene::SceneCommandArgs),
     /// Print a completion script for a shell
