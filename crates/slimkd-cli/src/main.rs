@@ -7,6 +7,7 @@ mod allocator;
 mod args;
 mod cameras;
 mod commands;
+mod device;
 mod failure;
 mod interrupt;
 mod kernel;
@@ -77,6 +78,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Trace(args) => commands::trace::run(args, ui),
         Command::Bench(args) => commands::bench::run(args, ui),
         Command::Report(args) => commands::report::run(args, ui),
+        Command::Devices(args) => commands::devices::run(args),
         Command::Scene(args) => commands::scene::run(args, ui),
         Command::Completions(args) => commands::completions::run(args),
     }

@@ -115,3 +115,31 @@ fn rays_may_come_through_a_pipe() {
         assert_eq!(tool.files().contains(&format!("{length}.bin")), status == 0);
     }
 }
+
+#[test]
+fn a_gpu_finds_what_the_library_finds() {
+    let (tool, tree) = (Tool::new(), tree());
+    let listed = tool.run("devices");
+    assert_eq!(listed.status, 0);
+    if !listed.stdout.contains("gpu  ") {
+        println!("skipped: no GPU adapter on this machine");
+        return;
+    }
+    let rays = rays(&tree, 2000);
+    ray_file(&tool.path("rays.f32"), &rays);
+    for kind in ["closest", "any"] {
+        let line = format!("trace {SCENE} --rays rays.f32 --out hits.bin --device gpu --kind {kind}");
+        assert_eq!(tool.run(&line).status, 0, "{line}");
+        let records = records(&std::fs::read(tool.path("hits.bin")).unwrap());
+        let unlike = records.iter().zip(&rays).filter(|(record, ray)| {
+            let wanted = tree.closest_hit(ray).map_or(u32::MAX, |hit| hit.triangle);
+            if kind == "any" { (record[1] == u32::MAX) != (wanted == u32::MAX) } else { record[1] != wanted }
+        });
+        // Triangles at the same t may change places.
+        assert!(unlike.count() <= 2, "{kind}");
+    }
+    assert_eq!(
+        tool.run(&format!("trace {SCENE} --rays rays.f32 --out h --device gpu --kernel packet")).status,
+        2
+    );
+}

@@ -53,6 +53,8 @@ pub(crate) enum Command {
     Bench(commands::bench::BenchArgs),
     /// Write the paper's tables and figures from scenes, as a page
     Report(commands::report::ReportArgs),
+    /// List what rays can be traced on
+    Devices(commands::devices::DevicesArgs),
     /// List the built-in scenes, or write one as a PLY file
     Scene(commands::scene::SceneCommandArgs),
     /// Print a completion script for a shell

@@ -1,6 +1,7 @@
 //! `slimkd trace`: rays from a file, hits to a file, a batch at a time.
 
 use crate::args::{Kind, SceneArgs, TreeArgs};
+use crate::device::{self, Choice, GpuTree};
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::kernel::Kernel;
@@ -23,6 +24,7 @@ const CHUNK: usize = 1024;
 const EXAMPLES: &str = "\
 Examples:
   slimkd trace building.ply.zst --rays rays.f32 --out hits.bin
+  slimkd trace building.skd --rays rays.f32 --out hits.bin --device gpu
   slimkd trace building.skd --rays rays.f32 --out hits.bin --kind any --threads 4
   slimkd trace huge.skd --rays few.f32 --out hits.bin --no-verify
 
@@ -50,17 +52,26 @@ pub(crate) struct TraceArgs {
     kernel: Kernel,
     /// Trace a saved tree where it lies, ready at once: it is not proved sound, every access is checked instead, and a ray
     /// takes longer
-    #[arg(long, conflicts_with_all = ["mesh", "triangles", "kernel"])]
+    #[arg(long, conflicts_with_all = ["mesh", "triangles", "kernel", "device"])]
     no_verify: bool,
+    /// What traces them; a GPU's t may differ in its last bits
+    #[arg(long, value_enum, default_value_t = Choice::Cpu)]
+    device: Choice,
     #[command(flatten)]
     tree: TreeArgs,
 }
 
 /// Traces the file.
 pub(crate) fn run(args: &TraceArgs, ui: Ui) -> Result<(), Failure> {
+    args.device.check(args.kernel)?;
     let output = Output::prepare(&args.out)?;
     let mut input = RayFile::open(&args.rays)?;
+    let device = device::open(args.device, ui)?;
     let tree = Source::of(args, ui)?;
+    let gpu = match &tree {
+        Source::Proved(tree) => device::upload(device.as_ref(), args.device, tree, ui)?,
+        Source::Open(_) => None,
+    };
     let pool = trees::pool(trees::thread_count(args.tree.threads))?;
     let progress = Progress { total: input.count().unwrap_or(0), ..Progress::default() };
     let started = Instant::now();
@@ -73,7 +84,10 @@ pub(crate) fn run(args: &TraceArgs, ui: Ui) -> Result<(), Failure> {
             if buffers.rays.is_empty() {
                 return draft.commit();
             }
-            let hits = pool.install(|| buffers.trace(&tree, args.kernel, args.kind))?;
+            let hits = match &gpu {
+                Some(gpu) => buffers.trace_on(gpu, args.kind)?,
+                None => pool.install(|| buffers.trace(&tree, args.kernel, args.kind))?,
+            };
             let bytes = buffers.records.as_flattened();
             draft.write_all(bytes).map_err(|error| unwritable(output.path(), &error))?;
             progress.rays.fetch_add(buffers.rays.len() as u64, Relaxed);
@@ -137,6 +151,21 @@ impl Buffers {
                 chunks.try_reduce(|| 0, |a, b| Ok(a + b)).map_err(Failure::work)
             }
         }
+    }
+
+    /// The same on a GPU.
+    fn trace_on(&mut self, gpu: &GpuTree<'_>, kind: Kind) -> Result<u64, Failure> {
+        let mut closest = vec![None; if kind == Kind::Closest { self.rays.len() } else { 0 }];
+        let mut any = vec![false; if kind == Kind::Any { self.rays.len() } else { 0 }];
+        match kind {
+            Kind::Closest => gpu.closest_hits(&self.rays, &mut closest),
+            Kind::Any => gpu.any_hits(&self.rays, &mut any),
+        }
+        .map_err(Failure::work)?;
+        self.records.clear();
+        self.records.extend(closest.iter().map(|&hit| encode_closest(hit)));
+        self.records.extend(any.iter().map(|&hit| encode_any(hit)));
+        Ok(closest.iter().flatten().count() as u64 + any.iter().filter(|&&hit| hit).count() as u64)
     }
 }
 
