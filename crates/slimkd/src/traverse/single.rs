@@ -9,9 +9,8 @@
 //!    hit is never rejected for lying outside the voxel.
 //! 3. The stack's size comes from the built depth: on the machine's stack up to [`SMALL_DEPTH`], on the heap beyond.
 //! 4. Whether a far child is kept is a branch where rays go side by side, and else a number added to the stack's top: a
-//!    branch is free where the last ray foretells it and costs 35 cycles where not, the sum always costs a wait at the
-//!    next pop. Bounce rays gain 12 to 18 % and random ones 7 to 20; camera rays in tiles lose 6 % (median of six
-//!    scenes) and shadow rays would lose as much.
+//!    branch is cheap where the last ray foretells it and dear where not, the sum always costs a wait at the next pop.
+//!    Bounce rays gain 7 to 15 %, camera rays in tiles lose up to 14 %; docs/kernels.md has the figures.
 //!
 //! docs/kernels.md lists what was tried and left.
 
