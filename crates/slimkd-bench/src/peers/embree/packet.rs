@@ -1,4 +1,4 @@
-//! Packets: as wide as Embree's vectors, 16 rays with AVX-512 and 8 with AVX2 (wider ones would be traced ray by ray).
+//! Packets: 16 rays where Embree says that it supports them natively, else 8.
 
 use super::Built;
 use super::abi::*;
