@@ -146,8 +146,11 @@ impl Sheared {
             return None; // edge-on: its neighbours own the outline
         }
         let [az, bz, cz] = self.z.map(f64::from);
-        let t = ((u * az + v * bz + w * cz) / (det * depth)) as f32;
-        (!t.is_nan()).then(|| Intersection { t, u: (v / det) as f32, v: (w / det) as f32 })
+        // One division: three cost packets and streams a sixth of their f64 work.
+        let per_depth = 1.0 / (det * depth);
+        let t = ((u * az + v * bz + w * cz) * per_depth) as f32;
+        let per_det = depth * per_depth;
+        (!t.is_nan()).then(|| Intersection { t, u: (v * per_det) as f32, v: (w * per_det) as f32 })
     }
 }
 

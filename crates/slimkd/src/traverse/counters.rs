@@ -15,6 +15,8 @@ pub struct Counters {
     pub walks: u64,
     /// Nodes that walks visited.
     pub nodes: u64,
+    /// Those of them where intervals around all rays of a packet said where all go.
+    pub whole: u64,
     /// Rays that were active in them, summed: a ray's nodes.
     pub ray_nodes: u64,
     /// Lanes that these nodes were computed for; `ray_nodes / node_lanes` is the occupancy.
@@ -32,7 +34,7 @@ pub struct Counters {
 #[cfg(feature = "counters")]
 thread_local! {
     static COUNTERS: Cell<Counters> = const { Cell::new(Counters {
-        rays: 0, walks: 0, nodes: 0, ray_nodes: 0, node_lanes: 0, triangles: 0, ray_triangles: 0, triangle_lanes: 0,
+        rays: 0, walks: 0, nodes: 0, whole: 0, ray_nodes: 0, node_lanes: 0, triangles: 0, ray_triangles: 0, triangle_lanes: 0,
         decided: 0,
     }) };
 }

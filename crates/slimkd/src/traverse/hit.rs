@@ -11,6 +11,7 @@
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Hit {
     /// Distance along the ray in units of its direction, rounded once from f64.
     pub t: f32,

@@ -23,7 +23,7 @@ pub(crate) use filtered::Filtered;
 pub use hit::Hit;
 pub use nearest::ClosestPoint;
 pub(crate) use nearest::{Search, search_tree};
-pub(crate) use packet::{AnyHits, ClosestHits, Traced};
+pub(crate) use packet::{AnyHits, ClosestHits, Traced, finish as finish_strays};
 pub(crate) use prepared::{Planes, PreparedRay};
 pub(crate) use single::traverse;
 pub(crate) use sink::{All, Any, Closest, Sink, sort_hits};

@@ -7,7 +7,7 @@ use crate::geometry::{Aabb, Ray, TriangleMesh};
 use crate::reduce::{fit, hoist, prune};
 use crate::traverse::{
     All, Any, AnyHits, Closest, ClosestHits, Hit, InstructionSet, PreparedRay, Sink, Stream, Traced,
-    sort_hits, traverse,
+    finish_strays, sort_hits, traverse,
 };
 use std::sync::Arc;
 
@@ -221,7 +221,11 @@ impl KdTree {
     /// When the slices differ in length.
     pub fn closest_hits_coherent(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         assert_eq!(rays.len(), hits.len(), "one hit slot a ray");
-        with_nodes!(self, nodes => self.instruction_set.run(ClosestHits { tree: self.traced(nodes), rays, hits }));
+        let strays = with_nodes!(self, nodes => {
+            let hits = &mut *hits;
+            self.instruction_set.run(ClosestHits { tree: self.traced(nodes), rays, hits })
+        });
+        finish_strays(rays, hits, &strays, |rays, hits| self.closest_hits(rays, hits));
     }
 
     /// [`KdTree::any_hits`] for rays that go much the same way, such as those from neighbouring points to one light.
@@ -231,7 +235,11 @@ impl KdTree {
     /// When the slices differ in length.
     pub fn any_hits_coherent(&self, rays: &[Ray], hits: &mut [bool]) {
         assert_eq!(rays.len(), hits.len(), "one answer slot a ray");
-        with_nodes!(self, nodes => self.instruction_set.run(AnyHits { tree: self.traced(nodes), rays, hits }));
+        let strays = with_nodes!(self, nodes => {
+            let hits = &mut *hits;
+            self.instruction_set.run(AnyHits { tree: self.traced(nodes), rays, hits })
+        });
+        finish_strays(rays, hits, &strays, |rays, hits| self.any_hits(rays, hits));
     }
 
     fn traced<N: Nodes>(&self, nodes: N) -> Traced<'_, N> {

@@ -100,6 +100,16 @@ impl Simd for Avx2 {
 
         larger(a: F32, b: F32) -> F32 = F32(_mm256_max_ps(a.0, b.0));
         smaller(a: F32, b: F32) -> F32 = F32(_mm256_min_ps(a.0, b.0));
+        least(x: F32) -> f32 = {
+            let x = _mm_min_ps(_mm256_castps256_ps128(x.0), _mm256_extractf128_ps::<1>(x.0));
+            let x = _mm_min_ps(x, _mm_movehl_ps(x, x));
+            _mm_cvtss_f32(_mm_min_ss(x, _mm_movehdup_ps(x)))
+        };
+        most(x: F32) -> f32 = {
+            let x = _mm_max_ps(_mm256_castps256_ps128(x.0), _mm256_extractf128_ps::<1>(x.0));
+            let x = _mm_max_ps(x, _mm_movehl_ps(x, x));
+            _mm_cvtss_f32(_mm_max_ss(x, _mm_movehdup_ps(x)))
+        };
         abs(x: F32) -> F32 = F32(_mm256_andnot_ps(_mm256_set1_ps(-0.0), x.0));
 
         lt(a: F32, b: F32) -> Mask = Mask(_mm256_cmp_ps::<_CMP_LT_OQ>(a.0, b.0));

@@ -111,6 +111,8 @@ impl Simd for Avx512 {
 
         larger(a: F32, b: F32) -> F32 = F32(_mm512_max_ps(a.0, b.0));
         smaller(a: F32, b: F32) -> F32 = F32(_mm512_min_ps(a.0, b.0));
+        least(x: F32) -> f32 = _mm512_reduce_min_ps(x.0);
+        most(x: F32) -> f32 = _mm512_reduce_max_ps(x.0);
         abs(x: F32) -> F32 = F32(_mm512_abs_ps(x.0));
 
         lt(a: F32, b: F32) -> Bits = Bits(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a.0, b.0));

@@ -97,6 +97,20 @@ pub(crate) trait Simd: Copy + Send + Sync + 'static {
     fn larger(self, a: Self::F, b: Self::F) -> Self::F;
     /// `a` where it is the smaller, else `b`.
     fn smaller(self, a: Self::F, b: Self::F) -> Self::F;
+    /// The least lane. NaN may be passed over.
+    #[inline(always)]
+    fn least(self, x: Self::F) -> f32 {
+        let mut lanes = [f32::INFINITY; 16];
+        self.store(x, &mut lanes);
+        lanes[..Self::WIDTH].iter().fold(f32::INFINITY, |a, &b| if b < a { b } else { a })
+    }
+    /// The greatest lane. NaN may be passed over.
+    #[inline(always)]
+    fn most(self, x: Self::F) -> f32 {
+        let mut lanes = [f32::NEG_INFINITY; 16];
+        self.store(x, &mut lanes);
+        lanes[..Self::WIDTH].iter().fold(f32::NEG_INFINITY, |a, &b| if b > a { b } else { a })
+    }
     /// Without the sign.
     fn abs(self, x: Self::F) -> Self::F;
 

@@ -136,6 +136,14 @@ impl<S: Simd> Simd for Twice<S> {
     }
 
     #[inline(always)]
+    fn least(self, x: Self::F) -> f32 {
+        self.0.least(self.0.smaller(x.0, x.1))
+    }
+    #[inline(always)]
+    fn most(self, x: Self::F) -> f32 {
+        self.0.most(self.0.larger(x.0, x.1))
+    }
+    #[inline(always)]
     fn bits(self, mask: Self::M) -> u32 {
         self.0.bits(mask.0) | self.0.bits(mask.1) << S::WIDTH
     }

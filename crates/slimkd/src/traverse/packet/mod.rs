@@ -3,19 +3,21 @@
 //! Source: Choi, Chang & Ihm 2013 trace 4×4 SIMD packets. Deviation: four of those share one walk; see `walk.rs`.
 //!
 //! Rays of one walk must agree in the signs of their direction and in its longest axis. Those that do not are walked
-//! class by class; what is left over goes in packets of 16 and, below [`FEWEST`], ray by ray. Every kernel gives the
-//! same hits, so this is about speed alone.
+//! class by class; what is left over goes in packets of 16 and, below [`FEWEST`], back to the caller, who makes a stream
+//! of it. Every kernel gives the same hits, so this is about speed alone.
 
+mod bundle;
 mod group;
+mod strays;
 mod triangle;
 mod walk;
 
 use super::arch::{Kernel, Simd};
-use super::sink::{Any, Closest, Sink};
-use super::{Hit, Planes, PreparedRay, traverse};
+use super::{Hit, Planes};
 use crate::geometry::{Aabb, Ray};
 use crate::tree::Nodes;
 use group::{Group, WIDTH};
+pub(crate) use strays::{Strays, finish};
 use walk::{Eye, Stack, walk};
 
 /// Vectors of a group.
@@ -23,9 +25,22 @@ const VECTORS: usize = 4;
 /// Rays of a group.
 const RAYS: usize = VECTORS * WIDTH;
 /// Fewer rays than these are walked as packets of 16, not as a group.
-const FEW: u32 = 24;
-/// Fewer rays than these in a packet are traced one by one.
-const FEWEST: u32 = 3;
+const FEW: u32 = 16;
+/// Fewer rays than these in a packet are left to streams.
+const FEWEST: u32 = 7;
+
+/// What a hit's place holds before it is written.
+const NOTHING: Hit = Hit { t: 0.0, u: 0.0, v: 0.0, triangle: u32::MAX };
+/// Where the hits of a vector's lanes lie, bytes.
+const HIT_PLACES: [u32; WIDTH] = {
+    let mut places = [0; WIDTH];
+    let mut lane = 0;
+    while lane < WIDTH {
+        places[lane] = (lane * size_of::<Hit>()) as u32;
+        lane += 1;
+    }
+    places
+};
 
 /// The tree as every kernel needs it.
 #[derive(Clone, Copy)]
@@ -33,15 +48,6 @@ pub(crate) struct Traced<'a, N> {
     pub(crate) nodes: N,
     pub(crate) depth: u32,
     pub(crate) bounds: &'a Aabb,
-}
-
-impl<N: Nodes> Traced<'_, N> {
-    /// One ray on its own.
-    fn single(&self, ray: &Ray, planes: &Planes, sink: &mut impl Sink) {
-        if let Some(prepared) = PreparedRay::new(ray, self.bounds, planes) {
-            traverse(self.nodes, self.depth, &prepared, sink);
-        }
-    }
 }
 
 /// Closest hits of coherent rays.
@@ -52,33 +58,29 @@ pub(crate) struct ClosestHits<'a, N> {
 }
 
 impl<N: Nodes> Kernel for ClosestHits<'_, N> {
-    type Output = ();
+    type Output = Strays;
 
     #[inline(always)]
-    fn run<S: Simd>(self, s: S) {
+    fn run<S: Simd>(self, s: S) -> Strays {
         let planes = self.tree.nodes.planes();
         let mut stacks = Stacks::new(self.tree.depth);
-        for (rays, hits) in self.rays.chunks(RAYS).zip(self.hits.chunks_mut(RAYS)) {
-            let (group, alone) = trace::<S, N, false>(s, self.tree, &planes, rays, &mut stacks);
-            let mut triangle = [[0u32; WIDTH]; VECTORS];
-            let [mut t, mut u, mut v] = [[[0.0f32; WIDTH]; VECTORS]; 3];
+        let mut group = Group::new(s);
+        let mut found = [NOTHING; RAYS];
+        let mut strays = Strays::new();
+        for (at, (rays, hits)) in self.rays.chunks(RAYS).zip(self.hits.chunks_mut(RAYS)).enumerate() {
+            let alone = trace::<S, N, false>(s, self.tree, &planes, rays, &mut group, &mut stacks);
             for g in 0..VECTORS {
-                s.store_u32(group.triangle[g], &mut triangle[g]);
-                s.store(group.limit[g], &mut t[g]);
-                s.store(group.u[g], &mut u[g]);
-                s.store(group.v[g], &mut v[g]);
+                let rows = [s.cast_u32(group.limit[g]), s.cast_u32(group.u[g]), s.cast_u32(group.v[g])];
+                let rows = [rows[0], rows[1], rows[2], group.triangle[g]];
+                // SAFETY: a hit is `repr(C)` and holds t, u, v, triangle: 16 bytes. There is one for each lane.
+                unsafe { s.store_rows(found[g * WIDTH..].as_mut_ptr().cast(), &HIT_PLACES, rows) };
             }
-            let found = triangle.as_flattened().iter().zip(t.as_flattened());
-            let found = found.zip(u.as_flattened().iter().zip(v.as_flattened()));
-            for (hit, ((&triangle, &t), (&u, &v))) in hits.iter_mut().zip(found) {
-                *hit = if triangle == u32::MAX { None } else { Some(Hit { t, u, v, triangle }) };
+            for (hit, found) in hits.iter_mut().zip(&found) {
+                *hit = (found.triangle != u32::MAX).then_some(*found);
             }
-            each(alone, |i| {
-                let mut sink = Closest::new(rays[i].t_max);
-                self.tree.single(&rays[i], &planes, &mut sink);
-                hits[i] = sink.into_hit();
-            });
+            each(alone, |i| strays.push(at * RAYS + i));
         }
+        strays
     }
 }
 
@@ -90,14 +92,16 @@ pub(crate) struct AnyHits<'a, N> {
 }
 
 impl<N: Nodes> Kernel for AnyHits<'_, N> {
-    type Output = ();
+    type Output = Strays;
 
     #[inline(always)]
-    fn run<S: Simd>(self, s: S) {
+    fn run<S: Simd>(self, s: S) -> Strays {
         let planes = self.tree.nodes.planes();
         let mut stacks = Stacks::new(self.tree.depth);
-        for (rays, hits) in self.rays.chunks(RAYS).zip(self.hits.chunks_mut(RAYS)) {
-            let (group, alone) = trace::<S, N, true>(s, self.tree, &planes, rays, &mut stacks);
+        let mut group = Group::new(s);
+        let mut strays = Strays::new();
+        for (at, (rays, hits)) in self.rays.chunks(RAYS).zip(self.hits.chunks_mut(RAYS)).enumerate() {
+            let alone = trace::<S, N, true>(s, self.tree, &planes, rays, &mut group, &mut stacks);
             let mut found = 0;
             for g in 0..VECTORS {
                 let missed = s.eq_u32(group.triangle[g], s.u32s(u32::MAX));
@@ -106,12 +110,9 @@ impl<N: Nodes> Kernel for AnyHits<'_, N> {
             for (i, hit) in hits.iter_mut().enumerate() {
                 *hit = found >> i & 1 == 1;
             }
-            each(alone, |i| {
-                let mut sink = Any { found: false, t_max: rays[i].t_max };
-                self.tree.single(&rays[i], &planes, &mut sink);
-                hits[i] = sink.found;
-            });
+            each(alone, |i| strays.push(at * RAYS + i));
         }
+        strays
     }
 }
 
@@ -129,16 +130,17 @@ impl<S: Simd> Stacks<S> {
     }
 }
 
-/// Traces at most [`RAYS`]; returns what they found, and the rays that the caller must trace one by one.
+/// Traces at most [`RAYS`]; `group` then holds what they found. Returns the rays that are left to streams.
 #[inline(always)]
 fn trace<S: Simd, N: Nodes, const ANY: bool>(
     s: S,
     tree: Traced<'_, N>,
     planes: &Planes,
     rays: &[Ray],
+    group: &mut Group<S, VECTORS>,
     stacks: &mut Stacks<S>,
-) -> (Group<S, VECTORS>, u64) {
-    let (mut group, classes) = Group::new(s, rays, tree.bounds, planes);
+) -> u64 {
+    let classes = group.fill(s, rays, tree.bounds, planes);
     let mut alone = 0;
     let mut left = if tree.bounds.is_empty() { 0 } else { classes.traced };
     while left != 0 {
@@ -161,13 +163,13 @@ fn trace<S: Simd, N: Nodes, const ANY: bool>(
             }
         } else if group.all_start_at(s, at, lanes) {
             let stack = &mut stacks.group;
-            walk::<S, N, VECTORS, true, ANY>(s, tree.nodes, &mut group, class, lanes, eye, stack);
+            walk::<S, N, VECTORS, true, ANY>(s, tree.nodes, group, class, lanes, eye, stack);
         } else {
             let stack = &mut stacks.group;
-            walk::<S, N, VECTORS, false, ANY>(s, tree.nodes, &mut group, class, lanes, eye, stack);
+            walk::<S, N, VECTORS, false, ANY>(s, tree.nodes, group, class, lanes, eye, stack);
         }
     }
-    (group, alone)
+    alone
 }
 
 /// Calls `what` with the places of the set bits.

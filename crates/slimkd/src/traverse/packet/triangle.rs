@@ -75,7 +75,9 @@ pub(super) fn test<S: Simd, const G: usize, const COMMON: bool, const ANY: bool>
     }
     let det = u + v + w;
     let [az, bz, cz] = [s.widen(z[0]), s.widen(z[1]), s.widen(z[2])];
-    let t = s.narrow((u * az + v * bz + w * cz) / (det * s.widen(group.depth[g])));
+    let depth = s.widen(group.depth[g]);
+    let per_depth = s.f64s(1.0) / (det * depth);
+    let t = s.narrow((u * az + v * bz + w * cz) * per_depth);
     let limit = group.limit[g];
     hit = hit & !s.eq_f64(det, none) & s.le(group.t_min[g], t);
     let id = s.u32s(id);
@@ -90,8 +92,9 @@ pub(super) fn test<S: Simd, const G: usize, const COMMON: bool, const ANY: bool>
     if s.any(hit) {
         group.limit[g] = s.select(hit, t, limit);
         group.triangle[g] = s.select_u32(hit, id, group.triangle[g]);
-        group.u[g] = s.select(hit, s.narrow(v / det), group.u[g]);
-        group.v[g] = s.select(hit, s.narrow(w / det), group.v[g]);
+        let per_det = depth * per_depth;
+        group.u[g] = s.select(hit, s.narrow(v * per_det), group.u[g]);
+        group.v[g] = s.select(hit, s.narrow(w * per_det), group.v[g]);
     }
     hit
 }

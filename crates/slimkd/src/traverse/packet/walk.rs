@@ -11,18 +11,29 @@
 //! 3. With a common origin the distance to a plane and to a triangle's corners is computed once for all rays.
 //! 4. A triangle is fetched while the one before it is tested.
 
+use super::bundle::Bundle;
 use super::group::{Class, Group, Lanes, WIDTH};
 use super::triangle::test;
 use crate::traverse::Planes;
 use crate::traverse::arch::Simd;
 use crate::traverse::counters::count;
+use crate::traverse::prepared::{larger, smaller};
 use crate::tree::{Ids, Nodes, Step};
 
 /// A far child to come back to.
 pub(super) struct Far<S: Simd, const G: usize> {
     enter: Lanes<S::F, G>,
     exit: Lanes<S::F, G>,
+    /// Around all of those.
+    span: Span,
     node: u32,
+}
+
+/// Where all rays of a walk are, scaled units; some intervals may have become shorter.
+#[derive(Clone, Copy)]
+struct Span {
+    enter: f32,
+    exit: f32,
 }
 
 /// Far children, nearest last.
@@ -63,6 +74,12 @@ pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const 
         let mask = s.mask((lanes >> (g * WIDTH)) as u32);
         enter[g] = s.select(mask, enter[g], s.f32s(f32::INFINITY));
         exit[g] = s.select(mask, exit[g], s.f32s(f32::NEG_INFINITY));
+    }
+    let bundle = Bundle::new(s, group, class, lanes);
+    let mut span = Span { enter: f32::INFINITY, exit: f32::NEG_INFINITY };
+    for g in 0..G {
+        span.enter = smaller(s.least(enter[g]), span.enter);
+        span.exit = larger(s.most(exit[g]), span.exit);
     }
     stack.clear();
     let mut buffer = Ids::new();
@@ -105,6 +122,17 @@ pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const 
             let axis = node.axis;
             let beyond = node.stride & class.near[axis].wrapping_neg();
             let (near, far) = (node.left + beyond, node.left + node.stride - beyond);
+            let (first, last) = bundle.slab(axis, node.split);
+            if span.exit < first {
+                count(|c| c.whole += 1);
+                address = near;
+                continue;
+            }
+            if last < span.enter {
+                count(|c| c.whole += 1);
+                address = far;
+                continue;
+            }
             let from_eye = s.f32s(node.split - eye.start[axis]);
             let split = s.f32s(node.split);
             let (mut far_enter, mut near_exit) = (enter, exit);
@@ -126,8 +154,10 @@ pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const 
                 address = far;
                 continue;
             }
-            stack.push(Far { enter: far_enter, exit, node: far });
+            let beyond = Span { enter: larger(first, span.enter), exit: span.exit };
+            stack.push(Far { enter: far_enter, exit, span: beyond, node: far });
             exit = near_exit;
+            span.exit = smaller(last, span.exit);
             address = near;
             continue;
         }
@@ -140,7 +170,7 @@ pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const 
                 active = active | s.le(enter[g], exit[g]);
             }
             if s.any(active) {
-                address = far.node;
+                (address, span) = (far.node, far.span);
                 break;
             }
         }

@@ -59,7 +59,8 @@ pub(super) fn test<S: Simd, N: LaneNodes, A: Answers>(
     let above = s.lt_f64(zero, u) | s.lt_f64(zero, v) | s.lt_f64(zero, w);
     let det = u + v + w;
     let depth = s.widen(s.pick(&slots.depth.0, slot));
-    let t = s.narrow((u * az + v * bz + w * cz) / (det * depth));
+    let per_depth = s.f64s(1.0) / (det * depth);
+    let t = s.narrow((u * az + v * bz + w * cz) * per_depth);
     let (t_min, best) = (s.pick(&slots.t_min.0, slot), s.pick(&slots.best_t.0, slot));
     let hit = left & !(below & above) & !s.eq_f64(det, zero) & s.le(t_min, t) & s.le(t, best);
     let mut hits = s.bits(hit);
@@ -71,8 +72,9 @@ pub(super) fn test<S: Simd, N: LaneNodes, A: Answers>(
     let (mut slot_of, mut triangles) = ([0; 16], [0; 16]);
     s.store(t, &mut ts);
     if !A::ANY {
-        s.store(s.narrow(v / det), &mut us);
-        s.store(s.narrow(w / det), &mut vs);
+        let per_det = depth * per_depth;
+        s.store(s.narrow(v * per_det), &mut us);
+        s.store(s.narrow(w * per_det), &mut vs);
     }
     s.store_u32(slot, &mut slot_of);
     s.store_u32(triangle, &mut triangles);
