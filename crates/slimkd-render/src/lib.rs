@@ -21,6 +21,7 @@
 mod camera;
 mod film;
 mod fresnel;
+mod lighting;
 mod lights;
 mod offset;
 mod progress;
@@ -32,6 +33,7 @@ mod surface;
 mod tile;
 mod tone;
 pub mod views;
+mod waves;
 
 pub use camera::{CameraError, PinholeFrame};
 pub use film::{BitDepth, Film, FilmError};

@@ -70,6 +70,11 @@ impl Surface {
         Some(Self { position, geometric, shading, uv, outside, offset, shadow_origin })
     }
 
+    /// Where shadow rays start.
+    pub(crate) fn outer(&self) -> Vec3 {
+        self.shadow_origin + self.geometric * self.offset
+    }
+
     /// Where a ray starts that leaves in `direction`, to either side.
     pub(crate) fn start(&self, direction: Vec3) -> Vec3 {
         crate::offset::leave(self.position, self.geometric, self.offset, direction)

@@ -1,16 +1,14 @@
-//! One tile of the picture: primary rays as one coherent batch, then a batch of shadow rays a light, then each hit shaded
-//! on its own.
+//! One tile of the picture, a sample of every pixel after the other.
 //!
-//! A batch is one sample of every pixel, in blocks of 8 × 8 made of blocks of 4 × 4: those are the groups and packets that
-//! [`slimkd::KdTree::closest_hits_coherent`] traces. Mirrored and refracted rays go one by one.
+//! Pixels go in blocks of 8 × 8 made of blocks of 4 × 4: those are the groups and packets that
+//! [`slimkd::KdTree::closest_hits_coherent`] traces.
 
 use crate::camera::PinholeFrame;
 use crate::progress::{RenderProgress, RenderStatistics};
 use crate::sampling;
 use crate::shade::{Path, Shader};
-use crate::surface::Surface;
+use crate::waves::Waves;
 use glam::{Vec2, Vec3};
-use slimkd::{Hit, Ray};
 
 /// Edge of a tile, pixels: large enough to amortise a batch, small enough to balance threads.
 pub(crate) const TILE: u32 = 16;
@@ -58,34 +56,26 @@ pub(crate) fn trace_tile(
     progress: &RenderProgress,
 ) -> Option<Vec<Vec3>> {
     let pixels: Vec<(u32, u32)> = tile.pixels().collect();
+    let size = Vec2::new(shader.settings.width as f32, shader.settings.height as f32);
     let samples = shader.settings.samples.max(1);
     let mut sums = vec![Vec3::ZERO; pixels.len()];
-    let mut rays = Vec::with_capacity(pixels.len());
-    let mut hits = vec![None; pixels.len()];
-    let mut shadows = Shadows::default();
+    let mut colours = vec![Vec3::ZERO; pixels.len()];
+    let mut waves = Waves::default();
     let mut counts = RenderStatistics::default();
     for sample in 0..samples {
         if progress.is_cancelled() {
             return None;
         }
-        primary_rays(&pixels, sample, frame, shader, &mut rays);
-        shader.tree.closest_hits_coherent(&rays, &mut hits);
-        counts.primary += rays.len() as u64;
-        let surface =
-            |(ray, hit): (&Ray, &Option<Hit>)| hit.and_then(|hit| Some((hit, shader.surface(ray, &hit)?)));
-        let seen: Vec<Option<(Hit, Surface)>> = rays.iter().zip(&hits).map(surface).collect();
-        shadows.trace(shader, &rays, &seen, &mut counts);
-        for (index, &(x, y)) in pixels.iter().enumerate() {
-            let path = Path { depth: 0, weight: 1.0, seed: sampling::hash(x, y, 1), sample };
-            let direction = rays[index].direction.into();
-            let colour = match &seen[index] {
-                Some((hit, surface)) => {
-                    shader.shade(direction, hit, surface, path, shadows.of(index), &mut counts)
-                }
-                None => shader.sky(direction),
-            };
+        colours.fill(Vec3::ZERO);
+        let camera = pixels.iter().enumerate().map(|(pixel, &(x, y))| {
+            let within = sampling::pixel_sample((x, y), sample, samples);
+            let ray = frame.ray((Vec2::new(x as f32, y as f32) + within) / size);
+            (ray, Path { pixel, depth: 0, weight: 1.0, seed: sampling::hash(x, y, 1) })
+        });
+        waves.follow(shader, sample, camera, &mut colours, &mut counts);
+        for (sum, &colour) in sums.iter_mut().zip(&colours) {
             // A light of absurd strength must not leave holes in the picture.
-            sums[index] += if colour.is_finite() { colour.max(Vec3::ZERO) } else { Vec3::ZERO };
+            *sum += if colour.is_finite() { colour.max(Vec3::ZERO) } else { Vec3::ZERO };
         }
     }
     progress.count(&counts);
@@ -94,75 +84,6 @@ pub(crate) fn trace_tile(
         rows[((y - tile.y) * tile.width + (x - tile.x)) as usize] = *sum / samples as f32;
     }
     Some(rows)
-}
-
-/// Shadow rays of the first hits, a coherent batch a light.
-#[derive(Default)]
-struct Shadows {
-    rays: Vec<Ray>,
-    /// The pixel of each ray.
-    pixels: Vec<usize>,
-    hits: Vec<bool>,
-    /// One a light, pixel by pixel; empty when shadow rays are left to the shader.
-    blocked: Vec<bool>,
-    lights: usize,
-}
-
-impl Shadows {
-    fn trace(
-        &mut self,
-        shader: &Shader<'_>,
-        rays: &[Ray],
-        seen: &[Option<(Hit, Surface)>],
-        counts: &mut RenderStatistics,
-    ) {
-        if shader.transparent {
-            return; // what blocks must be known then, not only whether something does
-        }
-        self.lights = shader.lights.len();
-        self.blocked.clear();
-        self.blocked.resize(seen.len() * self.lights, false);
-        for light in 0..self.lights {
-            self.rays.clear();
-            self.pixels.clear();
-            for (pixel, (ray, seen)) in rays.iter().zip(seen).enumerate() {
-                let Some((hit, surface)) = seen else { continue };
-                if let Some(ray) = shader.shadow_ray(light, ray.direction.into(), hit, surface) {
-                    self.rays.push(ray);
-                    self.pixels.push(pixel);
-                }
-            }
-            self.hits.clear();
-            self.hits.resize(self.rays.len(), false);
-            shader.tree.any_hits_coherent(&self.rays, &mut self.hits);
-            counts.shadow += self.rays.len() as u64;
-            for (&pixel, &hit) in self.pixels.iter().zip(&self.hits) {
-                self.blocked[pixel * self.lights + light] = hit;
-            }
-        }
-    }
-
-    /// Which lights are blocked for a pixel, where that was traced.
-    fn of(&self, pixel: usize) -> Option<&[bool]> {
-        let lights = pixel * self.lights..(pixel + 1) * self.lights;
-        (self.lights > 0).then(|| &self.blocked[lights])
-    }
-}
-
-/// The rays of one sample of every pixel.
-fn primary_rays(
-    pixels: &[(u32, u32)],
-    sample: u32,
-    frame: &PinholeFrame,
-    shader: &Shader<'_>,
-    rays: &mut Vec<Ray>,
-) {
-    let size = Vec2::new(shader.settings.width as f32, shader.settings.height as f32);
-    rays.clear();
-    rays.extend(pixels.iter().map(|&(x, y)| {
-        let within = sampling::pixel_sample((x, y), sample, shader.settings.samples);
-        frame.ray((Vec2::new(x as f32, y as f32) + within) / size)
-    }));
 }
 
 #[cfg(test)]

@@ -150,7 +150,7 @@ impl Sheared {
         let per_depth = 1.0 / (det * depth);
         let t = ((u * az + v * bz + w * cz) * per_depth) as f32;
         let per_det = depth * per_depth;
-        (!t.is_nan()).then(|| Intersection { t, u: (v * per_det) as f32, v: (w * per_det) as f32 })
+        (!t.is_nan()).then_some(Intersection { t, u: (v * per_det) as f32, v: (w * per_det) as f32 })
     }
 }
 
