@@ -1,111 +1,153 @@
-//! Where rays are traced.
+//! Where rays are traced and pictures are rendered.
+
+#[cfg(feature = "gpu")]
+mod gpu;
 
 use crate::failure::Failure;
 use crate::kernel::Kernel;
 use crate::ui::Ui;
 use clap::ValueEnum;
-use slimkd::KdTree;
+use slimkd::{Aabb, Hit, KdTree, Ray};
+use slimkd_render::{Film, RenderError, RenderProgress, RenderSettings, Setup};
+use slimkd_report::Progress;
+use slimkd_report::measure::{self, DeviceError, Ready};
+use slimkd_scene::{Camera, Scene};
 
 /// A device, as the command line names it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Choice {
-    /// The CPU, with the kernel that --kernel names
+    /// The CPU
     #[default]
     Cpu,
     /// The first adapter that `slimkd devices` lists, software ones too
     Gpu,
-    /// A GPU if there is one in hardware that takes the tree, else the CPU
+    /// A GPU if there is one in hardware that does the work, else the CPU
     Auto,
 }
 
-#[cfg(feature = "gpu")]
-mod adapter {
-    use super::{Choice, Failure, KdTree, Ui};
-    pub(crate) use slimkd_gpu::GpuTree;
-    use slimkd_gpu::{Device, GpuError, UploadOptions};
+/// What works in the CPU's stead. Its errors are sentences.
+pub(crate) trait Device {
+    /// As in messages.
+    fn name(&self) -> String;
+    /// Whether the CPU does its work.
+    fn is_software(&self) -> bool;
+    /// The tree on it.
+    fn tree<'d>(&'d self, tree: &KdTree) -> Result<Box<dyn Tracer + 'd>, String>;
+    /// The scene and its tree on it.
+    fn scene<'d>(&'d self, scene: &Scene, tree: &KdTree) -> Result<Box<dyn Renderer + 'd>, String>;
+}
 
-    /// The device that was asked for; `None` is the CPU.
-    pub(crate) fn open(choice: Choice, ui: Ui) -> Result<Option<Device>, Failure> {
-        if choice == Choice::Cpu {
-            return Ok(None);
+/// Traces rays. All seconds are those of the kernels.
+pub(crate) trait Tracer {
+    /// The closest hits.
+    fn closest(&self, rays: &[Ray], hits: &mut [Option<Hit>]) -> Result<f64, String>;
+    /// How far its t may lie from the CPU's.
+    fn t_bound(&self, ray: &Ray, bounds: &Aabb, t: f32) -> f32;
+    /// Whether there are hits.
+    fn any(&self, rays: &[Ray], hits: &mut [bool]) -> Result<f64, String>;
+}
+
+/// Renders pictures.
+pub(crate) trait Renderer {
+    /// A picture and the seconds of its kernels; `None` once it was cancelled.
+    fn picture(
+        &self,
+        setup: &Setup<'_>,
+        settings: &RenderSettings,
+        progress: &RenderProgress,
+    ) -> Result<Option<(Film, f64)>, String>;
+}
+
+#[cfg(feature = "gpu")]
+use gpu::adapter;
+#[cfg(feature = "gpu")]
+pub(crate) use gpu::quieten;
+
+#[cfg(not(feature = "gpu"))]
+pub(crate) fn quieten() {}
+
+#[cfg(not(feature = "gpu"))]
+fn adapter() -> Result<Box<dyn Device>, String> {
+    Err("this slimkd was built without its feature gpu; build it with that".to_owned())
+}
+
+/// A device, as what measures frames sees it.
+pub(crate) struct Pictures<'d>(pub(crate) &'d dyn Device);
+
+/// Share of a picture's pixels that may differ from the CPU's.
+const UNLIKE: f64 = 1e-3;
+
+impl measure::Device for Pictures<'_> {
+    fn name(&self) -> &str {
+        "gpu"
+    }
+
+    fn threads(&self) -> usize {
+        1
+    }
+
+    fn description(&self) -> Option<String> {
+        Some(self.0.name())
+    }
+
+    fn unlike(&self) -> f64 {
+        UNLIKE
+    }
+
+    fn ready<'a>(&'a self, scene: &'a Scene, tree: &'a KdTree) -> Result<Box<dyn Ready + 'a>, DeviceError> {
+        let renderer = self.0.scene(scene, tree).map_err(DeviceError::Failed)?;
+        Ok(Box::new(Uploaded { renderer, scene, tree }))
+    }
+}
+
+struct Uploaded<'a> {
+    renderer: Box<dyn Renderer + 'a>,
+    scene: &'a Scene,
+    tree: &'a KdTree,
+}
+
+impl Ready for Uploaded<'_> {
+    fn picture(
+        &self,
+        camera: &Camera,
+        settings: &RenderSettings,
+        progress: &Progress,
+    ) -> Result<(Film, f64), DeviceError> {
+        let setup = Setup::new(self.scene, self.tree, camera, &self.scene.lights, settings)?;
+        let picture = self.renderer.picture(&setup, settings, &progress.rendering());
+        picture.map_err(DeviceError::Failed)?.ok_or(DeviceError::Render(RenderError::Cancelled))
+    }
+}
+
+/// The device that was asked for; `None` is the CPU.
+pub(crate) fn open(choice: Choice, ui: Ui) -> Result<Option<Box<dyn Device>>, Failure> {
+    if choice == Choice::Cpu {
+        return Ok(None);
+    }
+    match adapter() {
+        Ok(device) if choice == Choice::Auto && device.is_software() => Ok(None),
+        Ok(device) => {
+            ui.note(format_args!("on {}", device.name()));
+            Ok(Some(device))
         }
-        match Device::open(None) {
-            Ok(device) if choice == Choice::Auto && device.adapter().kind == "software" => Ok(None),
-            Ok(device) => {
-                ui.note(format_args!("on {} ({})", device.adapter().name, device.adapter().backend));
-                Ok(Some(device))
+        Err(_) if choice == Choice::Auto => Ok(None),
+        Err(error) => Err(Failure::work(error)),
+    }
+}
+
+impl Choice {
+    /// What a device answered; `None` where the CPU takes over, which then is said.
+    pub(crate) fn or_cpu<T>(self, answer: Result<T, String>, ui: Ui) -> Result<Option<T>, Failure> {
+        match answer {
+            Ok(answer) => Ok(Some(answer)),
+            Err(error) if self == Self::Auto => {
+                ui.note(format_args!("on the CPU: {error}"));
+                Ok(None)
             }
-            Err(_) if choice == Choice::Auto => Ok(None),
             Err(error) => Err(Failure::work(error)),
         }
     }
 
-    /// The tree on the device; `None` is the CPU.
-    pub(crate) fn upload<'d>(
-        device: Option<&'d Device>,
-        choice: Choice,
-        tree: &KdTree,
-        ui: Ui,
-    ) -> Result<Option<GpuTree<'d>>, Failure> {
-        let Some(device) = device else { return Ok(None) };
-        match GpuTree::upload(device, tree, &UploadOptions::default()) {
-            Ok(tree) => Ok(Some(tree)),
-            Err(error) => on_the_cpu(choice, error, ui).map(|()| None),
-        }
-    }
-
-    /// Says that the CPU takes over, where it may.
-    fn on_the_cpu(choice: Choice, error: GpuError, ui: Ui) -> Result<(), Failure> {
-        if choice == Choice::Gpu {
-            return Err(Failure::work(error));
-        }
-        ui.note(format_args!("on the CPU: {error}"));
-        Ok(())
-    }
-}
-
-#[cfg(not(feature = "gpu"))]
-mod adapter {
-    use super::{Choice, Failure, KdTree, Ui};
-    use slimkd::{Hit, Ray};
-
-    /// There is none in this build.
-    pub(crate) enum Device {}
-    /// There is none in this build.
-    pub(crate) struct GpuTree<'d>(&'d Device);
-
-    impl GpuTree<'_> {
-        pub(crate) fn closest_hits(&self, _: &[Ray], _: &mut [Option<Hit>]) -> Result<(), String> {
-            match *self.0 {}
-        }
-
-        pub(crate) fn any_hits(&self, _: &[Ray], _: &mut [bool]) -> Result<(), String> {
-            match *self.0 {}
-        }
-    }
-
-    pub(crate) fn open(choice: Choice, _: Ui) -> Result<Option<Device>, Failure> {
-        match choice {
-            Choice::Gpu => {
-                Err(Failure::work("this slimkd was built without its feature gpu; build it with that"))
-            }
-            _ => Ok(None),
-        }
-    }
-
-    pub(crate) fn upload<'d>(
-        _: Option<&'d Device>,
-        _: Choice,
-        _: &KdTree,
-        _: Ui,
-    ) -> Result<Option<GpuTree<'d>>, Failure> {
-        Ok(None)
-    }
-}
-
-pub(crate) use adapter::{GpuTree, open, upload};
-
-impl Choice {
     /// Refuses a kernel that the device does not have.
     pub(crate) fn check(self, kernel: Kernel) -> Result<(), Failure> {
         if self == Self::Gpu && kernel != Kernel::default() {

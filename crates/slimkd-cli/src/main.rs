@@ -36,6 +36,7 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return explain(&error),
     };
+    device::quieten();
     interrupt::listen();
     let Err(mut failure) = run(&cli) else { return ExitCode::SUCCESS };
     if interrupt::pending() {

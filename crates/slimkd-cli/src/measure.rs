@@ -1,5 +1,6 @@
 //! Rates of trees that must agree: every answer is compared before the clock runs, then the trees take turns.
 
+use crate::device::Tracer;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::kernel::Kernel;
@@ -42,6 +43,19 @@ impl Answers {
             self.closest.resize(rays.len(), None);
             time(pool, rays, &mut self.closest, |rays, hits| kernel.closest(tree, rays, hits))
         }
+    }
+
+    /// The same on a device; the seconds of its kernels.
+    pub(crate) fn trace_on(&mut self, device: &dyn Tracer, rays: &[Ray], any: bool) -> Result<f64, Failure> {
+        interrupt::check()?;
+        if any {
+            self.any.resize(rays.len(), false);
+            device.any(rays, &mut self.any)
+        } else {
+            self.closest.resize(rays.len(), None);
+            device.closest(rays, &mut self.closest)
+        }
+        .map_err(Failure::work)
     }
 
     /// The closest hits of the last trace of closest hits.
@@ -93,6 +107,52 @@ fn time<T: Send>(
     let seconds = started.elapsed().as_secs_f64();
     interrupt::check()?;
     Ok(seconds)
+}
+
+/// Compares a device's answers to a workload with those of the CPU: the same but for what the device may err by. How many of its
+/// rays hit.
+pub(crate) fn agree_with_cpu(
+    pool: &ThreadPool,
+    tree: &KdTree,
+    devices: &[Box<dyn Tracer + '_>],
+    workload: &Workload,
+) -> Result<usize, Failure> {
+    let (mut cpu, mut other) = (Answers::default(), Answers::default());
+    let Workload { name, any, rays } = workload;
+    cpu.trace(pool, tree, rays, false)?;
+    let bounds = tree.bounds();
+    for device in devices {
+        other.trace_on(device.as_ref(), rays, *any)?;
+        let wrong = (0..rays.len()).find(|&index| {
+            let (ray, wanted) = (&rays[index], cpu.closest[index]);
+            let bound = |t: f32| device.t_bound(ray, &bounds, t);
+            let near = |a: f32, b: f32| (a - b).abs() <= bound(a);
+            if *any {
+                // The same but where a hit lies at an end of the range.
+                let moved = |t: f32, by: f32| if t.is_finite() { t + by * bound(t) } else { t };
+                let ends = |by: f32| ray.with_range(moved(ray.t_min, -by), moved(ray.t_max, by));
+                return other.any[index] != wanted.is_some()
+                    && tree.any_hit(&ends(1.0)) == tree.any_hit(&ends(-1.0));
+            }
+            let found = other.closest[index];
+            let same = match (wanted, found) {
+                (Some(wanted), Some(found)) => near(wanted.t, found.t),
+                (wanted, found) => wanted.is_some() == found.is_some(),
+            };
+            let at_an_end = |hit: Hit| near(hit.t, ray.t_min) || near(hit.t, ray.t_max);
+            !same && !wanted.is_some_and(at_an_end) && !found.is_some_and(at_an_end)
+        });
+        if let Some(ray) = wrong {
+            return Err(Failure::work(format_args!(
+                "the GPU answers {name} ray {ray} unlike the CPU ({} and {}), so no rate is reported; \
+                 this is a bug in slimkd or in the GPU's driver, please report it with {:?}",
+                other.show(*any, ray),
+                cpu.show(false, ray),
+                rays[ray]
+            )));
+        }
+    }
+    Ok(other.count(*any))
 }
 
 /// A tree under its preset's name.

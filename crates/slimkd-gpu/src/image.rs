@@ -99,7 +99,7 @@ impl Image {
 }
 
 /// Appends bytes and returns the word where they start.
-fn put(words: &mut Vec<u32>, bytes: &[u8]) -> Option<u32> {
+pub(crate) fn put(words: &mut Vec<u32>, bytes: &[u8]) -> Option<u32> {
     let start = u32::try_from(words.len()).ok()?;
     let (whole, rest) = bytes.split_at(bytes.len() & !3);
     words.extend(whole.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])));

@@ -30,8 +30,11 @@
 
 mod device;
 mod error;
+#[cfg(feature = "render")]
+pub mod frame;
 mod image;
 mod source;
+mod stamps;
 mod trace;
 pub mod twin;
 mod upload;

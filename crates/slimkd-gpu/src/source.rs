@@ -8,6 +8,13 @@ const PLAIN: &str = include_str!("shaders/plain.wgsl");
 const DENSE: &str = include_str!("shaders/dense.wgsl");
 const WALK: &str = include_str!("shaders/walk.wgsl");
 pub(crate) const TRACE: &str = include_str!("shaders/trace.wgsl");
+/// The picture's kernel, after its constants.
+#[cfg(feature = "render")]
+pub(crate) const FRAME: [&str; 3] = [
+    include_str!("shaders/surface.wgsl"),
+    include_str!("shaders/shade.wgsl"),
+    include_str!("shaders/frame.wgsl"),
+];
 
 /// What the text depends on.
 #[derive(Clone, Copy, Debug)]
@@ -22,12 +29,12 @@ pub(crate) struct Shape {
     pub(crate) depth: u32,
 }
 
-/// The whole module with `main`'s entry points.
-pub(crate) fn module(shape: Shape, main: &str) -> String {
+/// The whole module; `main` has the entry points.
+pub(crate) fn module(shape: Shape, main: &[&str]) -> String {
     let nodes = if shape.dense { DENSE } else { PLAIN };
     let mut text = format!("{PARAMS_WGSL}{}", memory(shape.shards, shape.shard_words));
     let _ = writeln!(text, "const RING = {}u;\nconst TRAIL = {}u;", shape.ring, shape.depth / 32 + 1);
-    for part in [EXACT, nodes, WALK, main] {
+    for part in [EXACT, nodes, WALK].iter().chain(main) {
         text.push_str(part);
     }
     text

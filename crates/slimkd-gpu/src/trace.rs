@@ -1,6 +1,7 @@
 //! Batches of rays through an uploaded tree.
 
 use crate::image::Image;
+use crate::stamps::Stamps;
 use crate::upload::Uploaded;
 use crate::{Device, GpuError, source};
 use slimkd::{Hit, KdTree, Ray};
@@ -23,11 +24,13 @@ pub struct UploadOptions {
     pub binding_limit: Option<u64>,
     /// Entries of the short stack, 1 and up; 12 unless given. A ray that needs more restarts at the root.
     pub stack: u32,
+    /// Width and height of a picture's workgroups, pixels; 4 × 32 unless given, as in the paper.
+    pub block: [u32; 2],
 }
 
 impl Default for UploadOptions {
     fn default() -> Self {
-        Self { binding_limit: None, stack: 12 }
+        Self { binding_limit: None, stack: 12, block: [4, 32] }
     }
 }
 
@@ -66,14 +69,7 @@ struct Buffers {
     input: wgpu::Buffer,
     output: wgpu::Buffer,
     read: wgpu::Buffer,
-    stamps: Option<Stamps>,
-}
-
-#[derive(Debug)]
-struct Stamps {
-    set: wgpu::QuerySet,
-    resolved: wgpu::Buffer,
-    read: wgpu::Buffer,
+    stamps: Stamps,
 }
 
 impl<'d> GpuTree<'d> {
@@ -83,12 +79,11 @@ impl<'d> GpuTree<'d> {
     /// [`GpuError::TooLarge`], [`GpuError::OutOfMemory`], [`GpuError::Kernel`], [`GpuError::Lost`].
     pub fn upload(device: &'d Device, tree: &KdTree, options: &UploadOptions) -> Result<Self, GpuError> {
         device.check()?;
-        let image = Image::new(tree)
-            .ok_or(GpuError::TooLarge { needed: tree.memory().resident(), limit: 4 * u64::from(u32::MAX) })?;
+        let image = Image::new(tree).ok_or_else(|| too_large(tree))?;
         let uploaded = Uploaded::new(device, &image, options.stack.max(1), options.binding_limit)?;
         let bytes = image.bytes();
         drop(image);
-        let text = source::module(uploaded.shape, source::TRACE);
+        let text = source::module(uploaded.shape, &[source::TRACE]);
         let kinds = [
             wgpu::BufferBindingType::Uniform,
             wgpu::BufferBindingType::Storage { read_only: true },
@@ -188,22 +183,13 @@ impl<'d> GpuTree<'d> {
             })
         };
         let read = BufferUsages::COPY_DST | BufferUsages::MAP_READ;
-        let stamps = self.device.timestamps.then(|| Stamps {
-            set: self.device.device.create_query_set(&wgpu::QuerySetDescriptor {
-                label: None,
-                ty: wgpu::QueryType::Timestamp,
-                count: 2,
-            }),
-            resolved: buffer(16, BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC),
-            read: buffer(16, read),
-        });
         Buffers {
             rays,
             batch: buffer(16, BufferUsages::UNIFORM | BufferUsages::COPY_DST),
             input: buffer(rays * RAY_BYTES, BufferUsages::STORAGE | BufferUsages::COPY_DST),
             output: buffer(rays * HIT_BYTES, BufferUsages::STORAGE | BufferUsages::COPY_SRC),
             read: buffer(rays * HIT_BYTES, read),
-            stamps,
+            stamps: Stamps::new(self.device),
         }
     }
 
@@ -231,15 +217,7 @@ impl<'d> GpuTree<'d> {
             });
             let mut encoder = device.create_command_encoder(&Default::default());
             {
-                let writes = buffers.stamps.as_ref().map(|stamps| wgpu::ComputePassTimestampWrites {
-                    query_set: &stamps.set,
-                    beginning_of_pass_write_index: Some(0),
-                    end_of_pass_write_index: Some(1),
-                });
-                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                    label: None,
-                    timestamp_writes: writes,
-                });
+                let mut pass = buffers.stamps.pass(&mut encoder);
                 pass.set_pipeline(&self.pipeline);
                 pass.set_bind_group(0, &self.uploaded.group, &[]);
                 pass.set_bind_group(1, &group, &[]);
@@ -247,30 +225,21 @@ impl<'d> GpuTree<'d> {
             }
             let bytes = rays.len() as u64 * HIT_BYTES;
             encoder.copy_buffer_to_buffer(&buffers.output, 0, &buffers.read, 0, bytes);
-            if let Some(stamps) = &buffers.stamps {
-                encoder.resolve_query_set(&stamps.set, 0..2, &stamps.resolved, 0);
-                encoder.copy_buffer_to_buffer(&stamps.resolved, 0, &stamps.read, 0, 16);
-            }
+            buffers.stamps.resolve(&mut encoder);
             let submitted = Instant::now();
             queue.submit([encoder.finish()]);
             buffers.read.map_async(wgpu::MapMode::Read, ..bytes, |_| ());
-            if let Some(stamps) = &buffers.stamps {
-                stamps.read.map_async(wgpu::MapMode::Read, .., |_| ());
-            }
+            buffers.stamps.map();
             submitted
         })?;
         self.device.wait()?;
-        let waited = submitted.elapsed();
-        let Some(stamps) = &buffers.stamps else { return Ok(waited) };
-        let ticks: [u64; 2] = {
-            let view = stamps.read.get_mapped_range(..).map_err(|error| GpuError::Lost(error.to_string()))?;
-            bytemuck::pod_read_unaligned(&view)
-        };
-        stamps.read.unmap();
-        let nanoseconds = ticks[1].saturating_sub(ticks[0]) as f64 * f64::from(queue.get_timestamp_period());
-        // Drivers that write no stamp leave zeros.
-        Ok(if nanoseconds > 0.0 { Duration::from_nanos(nanoseconds as u64) } else { waited })
+        buffers.stamps.read(self.device, submitted.elapsed())
     }
+}
+
+/// More than words can address.
+pub(crate) fn too_large(tree: &KdTree) -> GpuError {
+    GpuError::TooLarge { needed: tree.memory().resident(), limit: 4 * u64::from(u32::MAX) }
 }
 
 /// A pipeline over the image (group 0) and bindings of `kinds` (group 1).

@@ -75,6 +75,16 @@ impl PinholeFrame {
         Ok(Self { eye: camera.eye, forward, right: right * (half_height * aspect), up })
     }
 
+    /// Where it stands.
+    pub fn eye(&self) -> Vec3 {
+        self.eye
+    }
+
+    /// To the picture's middle at distance 1, and from there to its right and its upper edge.
+    pub fn axes(&self) -> [DVec3; 3] {
+        [self.forward, self.right, self.up]
+    }
+
     /// The ray through `point` on the picture, of unit direction: (0, 0) is the upper left corner, (1, 1) the lower right.
     pub fn ray(&self, point: Vec2) -> Ray {
         let (x, y) = (f64::from(point.x) * 2.0 - 1.0, 1.0 - f64::from(point.y) * 2.0);

@@ -95,6 +95,17 @@ impl Film {
         self.developed(development, 255.0).map(|x| x as u8).collect()
     }
 
+    /// Share of the pixels that, developed, differ from another picture's by more than 1/255 in a channel; 1 for another size.
+    pub fn share_apart(&self, other: &Self) -> f64 {
+        if (self.width, self.height) != (other.width, other.height) {
+            return 1.0;
+        }
+        let [a, b] = [self, other].map(|film| film.to_srgb8(&Development::default()));
+        let pixels = a.chunks_exact(3).zip(b.chunks_exact(3));
+        let apart = pixels.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 1)).count();
+        apart as f64 / self.pixels.len() as f64
+    }
+
     fn developed(&self, development: &Development, scale: f32) -> impl Iterator<Item = f32> {
         let development = *development;
         self.pixels

@@ -70,11 +70,13 @@ impl RenderProgress {
         }
     }
 
-    pub(crate) fn set(&self, fraction: f64) {
+    /// Says how far the picture is, 0 to 1; for whoever renders it.
+    pub fn set(&self, fraction: f64) {
         self.done.fetch_max((fraction.clamp(0.0, 1.0) * 1e6) as u32, Relaxed);
     }
 
-    pub(crate) fn count(&self, rays: &RenderStatistics) {
+    /// Adds rays to the statistics; for whoever traces them.
+    pub fn count(&self, rays: &RenderStatistics) {
         self.primary.fetch_add(rays.primary, Relaxed);
         self.shadow.fetch_add(rays.shadow, Relaxed);
         self.reflection.fetch_add(rays.reflection, Relaxed);

@@ -1,22 +1,18 @@
-//! The whole picture: checks, lights, tiles on threads.
+//! The whole picture: tiles on threads.
 
 use crate::camera::{CameraError, PinholeFrame};
 use crate::film::{Film, FilmError};
-use crate::lights::default_lights;
 use crate::progress::RenderProgress;
 use crate::settings::RenderSettings;
+use crate::setup::Setup;
 use crate::shade::Shader;
-use crate::tile::{TILE, Tile, trace_tile};
-use glam::Vec3;
+use crate::tile::{Tile, trace_tile};
 use rayon::prelude::*;
 use slimkd::KdTree;
 use slimkd_scene::{Camera, Light, Material, Scene};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use thiserror::Error;
-
-/// Ambient occlusion looks this far, as a share of the scene's diagonal.
-const OCCLUSION_REACH: f32 = 0.05;
 
 /// Why there is no picture.
 #[derive(Debug, Error)]
@@ -63,7 +59,8 @@ pub enum RenderError {
     Threads(String),
 }
 
-/// Renders a picture. Without lights, [`default_lights`] chooses some. Up is the scene's, or else the camera's.
+/// Renders a picture. Without lights, [`default_lights`](crate::default_lights) chooses some. Up is the scene's, or else the
+/// camera's.
 pub fn render(
     scene: &Scene,
     tree: &KdTree,
@@ -72,38 +69,25 @@ pub fn render(
     settings: &RenderSettings,
     progress: &RenderProgress,
 ) -> Result<Film, RenderError> {
-    check_settings(settings)?;
-    check_scene(scene, tree)?;
-    check_lights(lights)?;
+    let setup = Setup::new(scene, tree, camera, lights, settings)?;
     let mut film = Film::new(settings.width, settings.height)?;
-    let aspect = f64::from(settings.width) / f64::from(settings.height);
-    let frame = PinholeFrame::new(camera, aspect)?;
-
-    let up = scene.up.map_or_else(|| camera.up.as_dvec3().normalize().as_vec3(), |axis| axis.vector());
-    let chosen;
-    let lights = if lights.is_empty() {
-        chosen = default_lights(tree, camera, up);
-        &chosen
-    } else {
-        lights
-    };
     let shader = Shader {
         scene,
         tree,
-        lights,
+        lights: &setup.lights,
         settings,
-        up,
-        transparent: scene.materials.iter().any(|material| material.transmission > 0.0),
+        up: setup.up,
+        transparent: setup.transparent,
         fallback: Material::default(),
-        occlusion_reach: OCCLUSION_REACH * diagonal(tree).max(f32::MIN_POSITIVE),
+        occlusion_reach: setup.occlusion_reach,
     };
     match settings.threads {
-        None => tiles(&mut film, &frame, &shader, progress)?,
+        None => tiles(&mut film, &setup.frame, &shader, progress)?,
         Some(threads) => rayon::ThreadPoolBuilder::new()
             .num_threads(threads.get())
             .build()
             .map_err(|error| RenderError::Threads(error.to_string()))?
-            .install(|| tiles(&mut film, &frame, &shader, progress))?,
+            .install(|| tiles(&mut film, &setup.frame, &shader, progress))?,
     }
     progress.set(1.0);
     Ok(film)
@@ -134,67 +118,4 @@ fn tiles(
         progress.set((done.fetch_add(1, Relaxed) + 1) as f64 / count as f64);
         Ok(())
     })
-}
-
-/// Length of the scene's diagonal; 0 when nothing can be hit.
-fn diagonal(tree: &KdTree) -> f32 {
-    let [x, y, z] = tree.bounds().extent();
-    glam::DVec3::new(x, y, z).length() as f32
-}
-
-fn check_settings(settings: &RenderSettings) -> Result<(), RenderError> {
-    let check = |what, value: f64, ok: bool, range| {
-        if ok { Ok(()) } else { Err(RenderError::Setting { what, value, range }) }
-    };
-    let samples = settings.samples;
-    check("samples per pixel", samples.into(), (1..=1 << 16).contains(&samples), "1 to 65536")?;
-    let depth = settings.max_depth;
-    check("the recursion limit", depth.into(), depth <= 64, "0 to 64")?;
-    let cut = settings.min_contribution;
-    check("the contribution cut-off", cut.into(), (0.0..=1.0).contains(&cut), "0 to 1")?;
-    let occlusion = settings.occlusion;
-    check("occlusion rays", occlusion.into(), occlusion <= 4096, "0 to 4096")?;
-    for side in [settings.width, settings.height] {
-        check("a side of the picture", side.into(), side <= u32::MAX - TILE, "smaller")?;
-    }
-    Ok(())
-}
-
-fn check_lights(lights: &[Light]) -> Result<(), RenderError> {
-    let valid = |light: &Light| match *light {
-        Light::Point { position, intensity } => position.is_finite() && intensity.is_finite(),
-        Light::Directional { direction, irradiance } => {
-            direction.is_finite() && direction != Vec3::ZERO && irradiance.is_finite()
-        }
-    };
-    lights.iter().position(|light| !valid(light)).map_or(Ok(()), |index| Err(RenderError::Light(index)))
-}
-
-/// Everything that shading would index must be there: it must not panic on a broken scene.
-fn check_scene(scene: &Scene, tree: &KdTree) -> Result<(), RenderError> {
-    let triangles = scene.mesh.len();
-    if tree.mesh().len() != triangles {
-        return Err(RenderError::WrongTree { tree: tree.mesh().len(), scene: triangles });
-    }
-    let broken = |what| Err(RenderError::Scene { what });
-    let materials = scene.materials.len();
-    if materials > 0 && scene.material_ids.par_iter().any(|&id| id as usize >= materials) {
-        return broken("material ids");
-    }
-    let short = |indices: Option<&Vec<[u32; 3]>>| indices.is_some_and(|list| list.len() < triangles);
-    if short(scene.normals.as_ref().and_then(|n| n.indices.as_ref())) {
-        return broken("normal indices");
-    }
-    if short(scene.uvs.as_ref().and_then(|uv| uv.indices.as_ref())) {
-        return broken("texture coordinate indices");
-    }
-    let textures = scene.textures.len();
-    if scene.materials.iter().filter_map(|m| m.texture).any(|texture| texture as usize >= textures) {
-        return broken("materials' textures");
-    }
-    let sized = |t: &slimkd_scene::Texture| t.texels.len() as u64 == u64::from(t.width) * u64::from(t.height);
-    if !scene.textures.iter().all(sized) {
-        return broken("texture sizes");
-    }
-    Ok(())
 }

@@ -1,7 +1,7 @@
 //! Why there is no report.
 
+use crate::measure::DeviceError;
 use slimkd::BuildError;
-use slimkd_render::RenderError;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -35,8 +35,8 @@ pub enum ReportError {
         scene: String,
         /// Number of the view.
         view: usize,
-        /// What the renderer said.
-        error: RenderError,
+        /// What the renderer or its device said.
+        error: DeviceError,
     },
     /// Two trees show different pictures, which is a bug in slimkd: report it.
     #[error(

@@ -11,6 +11,9 @@ pub struct Machine {
     pub arch: String,
     /// The processor's name for itself, where the system tells.
     pub cpu: Option<String>,
+    /// The GPU that rendered, where one did.
+    #[serde(default)]
+    pub gpu: Option<String>,
     /// Threads that may run at once.
     pub parallelism: usize,
     /// Vector extensions that the processor has, of those that matter here.
@@ -48,6 +51,7 @@ impl Machine {
             os: std::env::consts::OS.to_owned(),
             arch: std::env::consts::ARCH.to_owned(),
             cpu,
+            gpu: None,
             parallelism: std::thread::available_parallelism().map_or(1, usize::from),
             detected,
             compiled_for,

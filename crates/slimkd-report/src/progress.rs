@@ -68,7 +68,8 @@ impl Progress {
         progress
     }
 
-    pub(crate) fn rendering(&self) -> Arc<RenderProgress> {
+    /// The progress of one picture, which is cancelled with the report.
+    pub fn rendering(&self) -> Arc<RenderProgress> {
         let progress = Arc::new(RenderProgress::new());
         self.set(Inner::Render(Arc::clone(&progress)));
         progress

@@ -1,17 +1,18 @@
 //! `slimkd render`: a picture of a scene.
 
 use crate::args::{CameraArgs, SceneDetails, Size, TreeArgs};
+use crate::device::{self, Choice, Device};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::trees::{self, Tree};
 use crate::ui::{Ui, Watched, bytes, grouped};
 use crate::{cameras, interrupt, scenes, ui};
 use clap::{Args, ValueEnum};
-use slimkd::Preset;
+use slimkd::{KdTree, Preset};
 use slimkd_render::{
-    BitDepth, Development, Film, RenderError, RenderProgress, RenderSettings, ToneMap, render,
+    BitDepth, Development, Film, RenderError, RenderProgress, RenderSettings, Setup, ToneMap, render,
 };
-use slimkd_scene::Scene;
+use slimkd_scene::{Camera, Scene};
 use std::fmt::Write;
 use std::num::NonZeroU32;
 use std::path::PathBuf;
@@ -27,6 +28,7 @@ Examples:
   slimkd render
   slimkd render model.glb -o model.png --size 1920x1080 --spp 16
   slimkd render building.ply.zst --up z --view 2 -o building.png
+  slimkd render building.ply.zst --device gpu -o building.png
   slimkd render bart.ply --camera 1.05,1.14,1.36,0.97,1.12,1.32,40 --up z -o bart.exr";
 
 /// Arguments of `slimkd render`.
@@ -42,6 +44,9 @@ pub(crate) struct RenderArgs {
     /// The picture: .png, or .exr for linear light
     #[arg(short, long, value_name = "out.png", default_value = "out.png")]
     output: PathBuf,
+    /// What renders it; a GPU's picture is the CPU's but for a pixel in a thousand
+    #[arg(long, value_enum, default_value_t = Choice::Cpu)]
+    device: Choice,
     #[command(flatten)]
     tree: TreeArgs,
     #[command(flatten)]
@@ -137,6 +142,7 @@ impl Watched for RenderProgress {
 /// Builds, renders, writes.
 pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
     let output = Output::prepare(&args.output)?;
+    let device = device::open(args.device, ui)?;
     Film::check_format(output.path()).map_err(Failure::work)?;
     let mut loaded = match &args.scene {
         Some(scene) => scenes::load(scene, &args.details, ui)?,
@@ -154,20 +160,16 @@ pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
     trees::warn_of_degenerate(&tree.statistics, ui);
 
     let camera = cameras::choose(&args.camera, &loaded.scene, &tree.tree, 1)?[0].camera;
-    let (progress, started) = (RenderProgress::new(), Instant::now());
     let settings = args.picture.settings(args.tree.threads);
-    let film = ui
-        .watch("render", &progress, || {
-            render(&loaded.scene, &tree.tree, &camera, &loaded.scene.lights, &settings, &progress)
-        })
-        .map_err(|error| match error {
-            RenderError::Cancelled => Failure::Interrupted,
-            RenderError::Camera(error) => {
-                Failure::work(format_args!("{}: {error} (--camera, --up)", loaded.scene.name))
-            }
-            other => Failure::work(format_args!("{}: {other}", loaded.scene.name)),
-        })?;
-    let seconds = started.elapsed().as_secs_f64();
+    let picture = Picture { scene: &loaded.scene, tree: &tree.tree, camera, settings };
+    let rendered = match &device {
+        Some(device) => args.device.or_cpu(picture.on(device.as_ref(), ui)?, ui)?,
+        None => None,
+    };
+    let Rendered { film, rays, seconds } = match rendered {
+        Some(rendered) => rendered,
+        None => picture.on_the_cpu(ui)?,
+    };
     interrupt::check()?;
     film.save(output.path(), &args.picture.development(), args.picture.depth()).map_err(Failure::work)?;
     ui.note(format_args!(
@@ -175,9 +177,65 @@ pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
         args.output.display(),
         film.width(),
         film.height(),
-        grouped(progress.statistics().total())
+        grouped(rays)
     ));
     Ok(())
+}
+
+/// What is rendered, wherever that is.
+struct Picture<'a> {
+    scene: &'a Scene,
+    tree: &'a KdTree,
+    camera: Camera,
+    settings: RenderSettings,
+}
+
+/// A picture, and what it took.
+struct Rendered {
+    film: Film,
+    rays: u64,
+    seconds: f64,
+}
+
+impl Picture<'_> {
+    fn on_the_cpu(&self, ui: Ui) -> Result<Rendered, Failure> {
+        let Self { scene, tree, camera, settings } = self;
+        let rendered = watched(ui, |progress| render(scene, tree, camera, &scene.lights, settings, progress));
+        rendered.map_err(|error| self.failure(error))
+    }
+
+    /// The inner error is the device's.
+    fn on(&self, device: &dyn Device, ui: Ui) -> Result<Result<Rendered, String>, Failure> {
+        let Self { scene, tree, camera, settings } = self;
+        let setup =
+            Setup::new(scene, tree, camera, &scene.lights, settings).map_err(|error| self.failure(error))?;
+        let rendered = watched(ui, |progress| {
+            let picture =
+                device.scene(scene, tree).and_then(|scene| scene.picture(&setup, settings, progress));
+            picture.map_err(Some)?.map(|(film, _)| film).ok_or(None)
+        });
+        match rendered {
+            Ok(rendered) => Ok(Ok(rendered)),
+            Err(Some(error)) => Ok(Err(error)),
+            Err(None) => Err(Failure::Interrupted),
+        }
+    }
+
+    fn failure(&self, error: RenderError) -> Failure {
+        let name = &self.scene.name;
+        match error {
+            RenderError::Cancelled => Failure::Interrupted,
+            RenderError::Camera(error) => Failure::work(format_args!("{name}: {error} (--camera, --up)")),
+            other => Failure::work(format_args!("{name}: {other}")),
+        }
+    }
+}
+
+fn watched<E>(ui: Ui, work: impl FnOnce(&RenderProgress) -> Result<Film, E>) -> Result<Rendered, E> {
+    let (progress, started) = (RenderProgress::new(), Instant::now());
+    let film = ui.watch("render", &progress, || work(&progress))?;
+    let (rays, seconds) = (progress.statistics().total(), started.elapsed().as_secs_f64());
+    Ok(Rendered { film, rays, seconds })
 }
 
 /// Builds the scene's tree under every preset, one after the other, shows how large each is, and keeps the one that

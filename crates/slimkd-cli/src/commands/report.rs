@@ -1,6 +1,7 @@
 //! `slimkd report`: the paper's experiments on any scene, as a page.
 
 use crate::args::{CameraArgs, SceneDetails, Size, threads, triangles};
+use crate::device::{self, Choice, Pictures};
 use crate::failure::Failure;
 use crate::ui::{Ui, Watched};
 use crate::{cameras, scenes};
@@ -26,6 +27,7 @@ Examples:
   slimkd report building.ply.zst -o report --time-limit 600      again and again, until it is done
   slimkd report kitchen --triangles 500000 -o report --size 512x512 --threads 1,8
   slimkd report building.ply.zst -o report --peers peers.json    of slimkd-bench --json
+  slimkd report building.ply.zst -o report --device gpu          frame rates on the GPU too
   slimkd report --from report/raw.json -o again                  nothing is measured
 
 DIR gets index.html (one file, no network), raw.json, tables/*.csv, plots/*.svg and pictures/.
@@ -57,6 +59,9 @@ pub(crate) struct ReportArgs {
     /// Thread counts to build and render with; 1 and all cores unless given
     #[arg(long, value_name = "N,M,...", value_delimiter = ',', value_parser = threads)]
     threads: Vec<NonZeroUsize>,
+    /// Measure frame rates on a GPU too; auto does where there is one in hardware
+    #[arg(long, value_enum, default_value_t = Choice::Auto)]
+    device: Choice,
     /// Largest scene of the curve of build times; 0 leaves it out
     #[arg(long, value_name = "N")]
     scaling: Option<u32>,
@@ -70,7 +75,7 @@ pub(crate) struct ReportArgs {
     #[arg(long, value_name = "SECONDS")]
     time_limit: Option<u32>,
     /// Write page, tables and plots from raw measurements, and measure nothing
-    #[arg(long, value_name = "raw.json", conflicts_with_all = ["scenes", "quick", "size", "rounds", "threads", "scaling",
+    #[arg(long, value_name = "raw.json", conflicts_with_all = ["scenes", "quick", "size", "rounds", "threads", "device", "scaling",
         "very_large", "peers", "time_limit", "triangles"])]
     from: Option<PathBuf>,
 }
@@ -99,7 +104,11 @@ pub(crate) fn run(args: &ReportArgs, ui: Ui) -> Result<(), Failure> {
     let peers = peers.collect::<Result<Vec<_>, _>>()?;
     let progress = Progress::new();
     let limit = args.time_limit.map(|seconds| Duration::from_secs(seconds.into()));
-    let session = Session::new(&args.output, &options, limit, &progress).map_err(failure)?;
+    let device = device::open(args.device, ui)?;
+    let mut session = Session::new(&args.output, &options, limit, &progress).map_err(failure)?;
+    if let Some(device) = &device {
+        session.add_device(Box::new(Pictures(device.as_ref())));
+    }
     let mut measured = Vec::new();
     let default = [PathBuf::from(DEFAULT_SCENE)];
     let scenes = if args.scenes.is_empty() { &default[..] } else { &args.scenes };

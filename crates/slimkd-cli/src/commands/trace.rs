@@ -1,7 +1,7 @@
 //! `slimkd trace`: rays from a file, hits to a file, a batch at a time.
 
 use crate::args::{Kind, SceneArgs, TreeArgs};
-use crate::device::{self, Choice, GpuTree};
+use crate::device::{self, Choice, Tracer};
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::kernel::Kernel;
@@ -68,9 +68,9 @@ pub(crate) fn run(args: &TraceArgs, ui: Ui) -> Result<(), Failure> {
     let mut input = RayFile::open(&args.rays)?;
     let device = device::open(args.device, ui)?;
     let tree = Source::of(args, ui)?;
-    let gpu = match &tree {
-        Source::Proved(tree) => device::upload(device.as_ref(), args.device, tree, ui)?,
-        Source::Open(_) => None,
+    let gpu = match (&tree, &device) {
+        (Source::Proved(tree), Some(device)) => args.device.or_cpu(device.tree(tree), ui)?,
+        _ => None,
     };
     let pool = trees::pool(trees::thread_count(args.tree.threads))?;
     let progress = Progress { total: input.count().unwrap_or(0), ..Progress::default() };
@@ -85,7 +85,7 @@ pub(crate) fn run(args: &TraceArgs, ui: Ui) -> Result<(), Failure> {
                 return draft.commit();
             }
             let hits = match &gpu {
-                Some(gpu) => buffers.trace_on(gpu, args.kind)?,
+                Some(gpu) => buffers.trace_on(gpu.as_ref(), args.kind)?,
                 None => pool.install(|| buffers.trace(&tree, args.kernel, args.kind))?,
             };
             let bytes = buffers.records.as_flattened();
@@ -154,12 +154,12 @@ impl Buffers {
     }
 
     /// The same on a GPU.
-    fn trace_on(&mut self, gpu: &GpuTree<'_>, kind: Kind) -> Result<u64, Failure> {
+    fn trace_on(&mut self, gpu: &dyn Tracer, kind: Kind) -> Result<u64, Failure> {
         let mut closest = vec![None; if kind == Kind::Closest { self.rays.len() } else { 0 }];
         let mut any = vec![false; if kind == Kind::Any { self.rays.len() } else { 0 }];
         match kind {
-            Kind::Closest => gpu.closest_hits(&self.rays, &mut closest),
-            Kind::Any => gpu.any_hits(&self.rays, &mut any),
+            Kind::Closest => gpu.closest(&self.rays, &mut closest),
+            Kind::Any => gpu.any(&self.rays, &mut any),
         }
         .map_err(Failure::work)?;
         self.records.clear();

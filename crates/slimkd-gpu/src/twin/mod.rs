@@ -3,7 +3,16 @@
 
 mod exact;
 mod nodes;
+#[cfg(feature = "render")]
+mod picture;
 mod prepared;
+#[cfg(feature = "render")]
+mod shade;
+#[cfg(feature = "render")]
+mod surface;
+
+#[cfg(feature = "render")]
+pub use picture::Picture;
 
 use crate::image::Image;
 use nodes::Inner;
@@ -57,7 +66,7 @@ impl<'i> Twin<'i> {
     /// `trace` of `shaders/walk.wgsl`: a short stack that forgets its oldest entry when it is full. What it forgot is found
     /// again from the root along the trail. Restarting by t, as is usual, would lose hits: slabs of neighbouring
     /// planes overlap, so that a far child may begin before its near sibling ends.
-    fn trace(&self, ray: &Ray, any: bool) -> Option<Hit> {
+    pub(super) fn trace(&self, ray: &Ray, any: bool) -> Option<Hit> {
         let ray = Prepared::new(ray, &self.image.params)?;
         let mut best = Hit { t: ray.t_max, u: 0.0, v: 0.0, triangle: u32::MAX };
         let test = |triangle: u32, best: &mut Hit| {

@@ -12,7 +12,7 @@ pub(super) struct Inner {
 }
 
 impl Twin<'_> {
-    fn word(&self, at: u32) -> u32 {
+    pub(super) fn word(&self, at: u32) -> u32 {
         self.image.words.get(at as usize).copied().unwrap_or(0)
     }
 
@@ -106,16 +106,25 @@ impl Twin<'_> {
         }
     }
 
-    /// Three words as floats.
     pub(super) fn vertex(&self, index: u32) -> [f32; 3] {
-        self.triple(self.image.params.vertices + 3 * index).map(f32::from_bits)
+        self.floats(self.image.params.vertices + 3 * index)
+    }
+
+    /// Three words as floats.
+    pub(super) fn floats(&self, at: u32) -> [f32; 3] {
+        self.triple(at).map(f32::from_bits)
+    }
+
+    #[cfg(feature = "render")]
+    pub(super) fn float(&self, at: u32) -> f32 {
+        f32::from_bits(self.word(at))
     }
 
     pub(super) fn corners(&self, triangle: u32) -> [[f32; 3]; 3] {
         self.triple(self.image.params.triangles + 3 * triangle).map(|v| self.vertex(v))
     }
 
-    fn triple(&self, at: u32) -> [u32; 3] {
+    pub(super) fn triple(&self, at: u32) -> [u32; 3] {
         [self.word(at), self.word(at + 1), self.word(at + 2)]
     }
 }

@@ -9,6 +9,7 @@ use slimkd::{KdTree, Preset};
 use slimkd_render::{Film, RenderError, RenderSettings, render};
 use slimkd_scene::{Camera, Scene};
 use std::time::Instant;
+use thiserror::Error;
 
 /// Where pictures are rendered.
 pub trait Device {
@@ -16,15 +17,39 @@ pub trait Device {
     fn name(&self) -> &str;
     /// Threads of the CPU that it uses.
     fn threads(&self) -> usize;
-    /// One picture and the seconds that it took. Pictures of different trees of a scene on one device must be equal.
+    /// What it is, where `name` does not say.
+    fn description(&self) -> Option<String> {
+        None
+    }
+    /// Share of a picture's pixels that may differ from the CPU's by more than 1/255.
+    fn unlike(&self) -> f64 {
+        0.0
+    }
+    /// A scene and one of its trees, brought to where they are rendered.
+    fn ready<'a>(&'a self, scene: &'a Scene, tree: &'a KdTree) -> Result<Box<dyn Ready + 'a>, DeviceError>;
+}
+
+/// A scene where it is rendered.
+pub trait Ready {
+    /// One picture and the seconds that it took.
     fn picture(
         &self,
-        scene: &Scene,
-        tree: &KdTree,
         camera: &Camera,
         settings: &RenderSettings,
         progress: &Progress,
-    ) -> Result<(Film, f64), RenderError>;
+    ) -> Result<(Film, f64), DeviceError>;
+}
+
+/// Why a device shows no picture.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum DeviceError {
+    /// It cannot be rendered anywhere, or was cancelled.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// The device failed: it says why.
+    #[error("{0}")]
+    Failed(String),
 }
 
 /// The processor.
@@ -47,17 +72,27 @@ impl Device for Cpu {
         self.0.current_num_threads()
     }
 
+    fn ready<'a>(&'a self, scene: &'a Scene, tree: &'a KdTree) -> Result<Box<dyn Ready + 'a>, DeviceError> {
+        Ok(Box::new(OnCpu { pool: &self.0, scene, tree }))
+    }
+}
+
+struct OnCpu<'a> {
+    pool: &'a ThreadPool,
+    scene: &'a Scene,
+    tree: &'a KdTree,
+}
+
+impl Ready for OnCpu<'_> {
     fn picture(
         &self,
-        scene: &Scene,
-        tree: &KdTree,
         camera: &Camera,
         settings: &RenderSettings,
         progress: &Progress,
-    ) -> Result<(Film, f64), RenderError> {
-        let progress = progress.rendering();
-        let started = Instant::now();
-        let film = self.0.install(|| render(scene, tree, camera, &scene.lights, settings, &progress))?;
+    ) -> Result<(Film, f64), DeviceError> {
+        let (progress, started) = (progress.rendering(), Instant::now());
+        let Self { pool, scene, tree } = self;
+        let film = pool.install(|| render(scene, tree, camera, &scene.lights, settings, &progress))?;
         Ok((film, started.elapsed().as_secs_f64()))
     }
 }
@@ -83,8 +118,8 @@ pub struct Frame<'a> {
     pub settings: &'a RenderSettings,
 }
 
-/// Seconds of each tree's picture in each round. All trees render once before, and must show the same. `done` is called
-/// after each picture.
+/// Seconds of each tree's picture in each round. All trees render once before, and must show the same: on a device that only
+/// comes near to the CPU, what that shows. `done` is called after each picture.
 pub fn frames(
     device: &dyn Device,
     frame: &Frame<'_>,
@@ -94,19 +129,31 @@ pub fn frames(
     done: &dyn Fn(),
 ) -> Result<Vec<Vec<f64>>, ReportError> {
     let Frame { scene, view, camera, settings } = *frame;
-    let picture = |tree: &KdTree| {
-        let picture = device.picture(scene, tree, &camera, settings, progress);
-        done();
-        picture.map_err(|error| match error {
-            RenderError::Cancelled => ReportError::Cancelled,
-            error => ReportError::Render { scene: scene.name.clone(), view, error },
-        })
+    let failed = |error| match error {
+        DeviceError::Render(RenderError::Cancelled) => ReportError::Cancelled,
+        error => ReportError::Render { scene: scene.name.clone(), view, error },
     };
-    let mut first: Option<Film> = None;
-    for (name, tree) in trees {
-        let (film, _) = picture(tree)?;
-        let reference = first.get_or_insert_with(|| film.clone());
-        if *reference != film {
+    let ready = trees.iter().map(|(_, tree)| device.ready(scene, tree));
+    let ready = ready.collect::<Result<Vec<_>, _>>().map_err(failed)?;
+    let picture = |index: usize| {
+        let picture = ready[index].picture(&camera, settings, progress);
+        done();
+        picture.map_err(failed)
+    };
+    let reference = if device.unlike() > 0.0 {
+        let film = render(scene, trees[0].1, &camera, &scene.lights, settings, &progress.rendering());
+        film.map_err(|error| failed(error.into()))?
+    } else {
+        picture(0)?.0
+    };
+    for (index, (name, _)) in trees.iter().enumerate() {
+        let same = if device.unlike() > 0.0 {
+            let film = picture(index)?.0;
+            reference.share_apart(&film) <= device.unlike()
+        } else {
+            index == 0 || picture(index)?.0 == reference
+        };
+        if !same {
             return Err(ReportError::Differ((*name).to_owned(), trees[0].0.to_owned(), view));
         }
     }
@@ -115,7 +162,7 @@ pub fn frames(
         for turn in 0..trees.len() {
             // Another one begins each time, so that none always runs in the wake of the same one.
             let index = (turn + round) % trees.len();
-            seconds[index].push(picture(trees[index].1)?.1);
+            seconds[index].push(picture(index)?.1);
         }
     }
     Ok(seconds)

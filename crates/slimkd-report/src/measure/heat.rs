@@ -70,7 +70,7 @@ pub(super) fn pixels(trees: &Trees<'_>, view: &View, edge: u32) -> Result<Vec<Ra
     let frame = PinholeFrame::new(&view.camera(), 1.0).map_err(|error| ReportError::Render {
         scene: trees.scene.name.clone(),
         view: view.number,
-        error: RenderError::Camera(error),
+        error: RenderError::Camera(error).into(),
     })?;
     let places = (0..edge * edge).map(|pixel| UVec2::new(pixel % edge, pixel / edge).as_vec2());
     Ok(places.map(|place| frame.ray((place + 0.5) / edge as f32)).collect())

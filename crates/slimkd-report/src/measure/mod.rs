@@ -11,7 +11,7 @@ mod store;
 mod sweep;
 mod trees;
 
-pub use frames::{Cpu, Device, Frame, frames, whitted};
+pub use frames::{Cpu, Device, DeviceError, Frame, Ready, frames, whitted};
 pub(crate) use pictures::slug;
 pub use session::{Session, day};
 pub(crate) use store::write;

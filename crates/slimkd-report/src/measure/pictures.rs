@@ -37,7 +37,9 @@ pub(super) fn measure(
         render(scene, tree, &view.camera(), &scene.lights, &settings, &progress).map_err(
             |error| match error {
                 RenderError::Cancelled => ReportError::Cancelled,
-                error => ReportError::Render { scene: scene.name.clone(), view: view.number, error },
+                error => {
+                    ReportError::Render { scene: scene.name.clone(), view: view.number, error: error.into() }
+                }
             },
         )?;
     let name = format!("pictures/{}-view-{}.jpg", slug(&scene.name), view.number);

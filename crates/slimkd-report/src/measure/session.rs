@@ -33,7 +33,7 @@ pub struct Session<'a> {
     pub(super) store: Store,
     pub(super) options: &'a Options,
     pub(super) progress: &'a Progress,
-    pub(super) devices: Vec<Box<dyn Device>>,
+    pub(super) devices: Vec<Box<dyn Device + 'a>>,
     deadline: Option<Instant>,
     /// Units of this scene that are still to be done.
     left: Cell<usize>,
@@ -50,7 +50,7 @@ impl<'a> Session<'a> {
         limit: Option<Duration>,
         progress: &'a Progress,
     ) -> Result<Self, ReportError> {
-        let mut devices: Vec<Box<dyn Device>> = Vec::new();
+        let mut devices: Vec<Box<dyn Device + 'a>> = Vec::new();
         for &threads in &options.threads {
             devices.push(Box::new(Cpu::new(threads)?));
         }
@@ -67,7 +67,7 @@ impl<'a> Session<'a> {
     }
 
     /// Measures frames on another device too.
-    pub fn add_device(&mut self, device: Box<dyn Device>) {
+    pub fn add_device(&mut self, device: Box<dyn Device + 'a>) {
         self.devices.push(device);
     }
 
@@ -99,7 +99,12 @@ impl<'a> Session<'a> {
                 let on = &self.devices[device];
                 let name = format!("frames-{}-{}-{}", view.number, on.name(), on.threads());
                 let weight = u64::from(edge) * u64::from(edge) * (1 + options.rounds as u64) / 200;
-                (view, device, unit(name, &(edge, options.rounds, presets.len()), weight))
+                let what = (edge, options.rounds, presets.len());
+                match on.description() {
+                    // The CPU is not named: a report goes on on another machine.
+                    None => (view, device, unit(name, &what, weight)),
+                    Some(gpu) => (view, device, unit(name, &(what, gpu), weight)),
+                }
             })
             .collect();
         let fine = if very_large { 0 } else { views.len() };
@@ -204,7 +209,7 @@ impl<'a> Session<'a> {
             schema: SCHEMA,
             tool: format!("slimkd report {}", env!("CARGO_PKG_VERSION")),
             date: day(SystemTime::now()),
-            machine: Machine::here(),
+            machine: Machine { gpu: self.devices.iter().find_map(|on| on.description()), ..Machine::here() },
             options: self.options.clone(),
             scenes,
             scaling,

@@ -71,6 +71,9 @@ pub fn machine(json: Json<'_>) -> Table {
     table.ours(row!["tool", json.text("/tool")]);
     table.ours(row!["date", json.text("/date")]);
     table.ours(row!["processor", json.text("/machine/cpu")]);
+    if let Some(gpu) = json.value("/machine/gpu").as_str() {
+        table.ours(row!["GPU", gpu]);
+    }
     table.ours(row!["system", format!("{}, {}", json.text("/machine/os"), json.text("/machine/arch"))]);
     table.ours(row!["threads at once", json.number("/machine/parallelism")]);
     table.ours(row!["vector extensions", list("/machine/detected")]);

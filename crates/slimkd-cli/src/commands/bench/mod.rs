@@ -4,6 +4,7 @@ mod report;
 mod runner;
 
 use crate::args::{CameraArgs, SceneArgs, Size, TuningArgs, preset, threads};
+use crate::device::{self, Choice, Device};
 use crate::failure::Failure;
 use crate::kernel::Kernel;
 use crate::trees::Tree;
@@ -21,13 +22,16 @@ Examples:
   slimkd bench sponza.obj --presets standard,paper-small --view 1 --json
   slimkd bench kitchen --triangles 1000000 --threads 1,4 --frames
   slimkd bench kitchen --frames --size 256x256 --rays 1000
+  slimkd bench kitchen --device cpu,gpu --frames
   slimkd bench kitchen --collapse       all presets, each with collapse
   slimkd bench tree.skd                 a saved tree alone
   slimkd bench tree.skd --presets slim,tiny     beside others of the same mesh
 
 Workloads: primary (camera rays, closest hit), shadow (from there to a light, any hit),
 bounce (from there, cosine-distributed, closest hit), random (segments across the scene,
-closest hit). All presets must give the same hits, bit by bit, before any rate is reported.
+closest hit). All presets must give the same hits, bit by bit, before any rate is reported; a
+GPU must give the CPU's hits and pictures within its bounds. Its times are those of its kernels, by its
+own clock where it has one, and count as one thread.
 Rates are medians; compare them within one run only.";
 
 /// Arguments of `slimkd bench`.
@@ -42,6 +46,9 @@ pub(crate) struct BenchArgs {
     /// Threads to trace with; several numbers are measured one after the other
     #[arg(long, value_name = "N,M,...", default_value = "1", value_delimiter = ',', value_parser = threads)]
     threads: Vec<NonZeroUsize>,
+    /// What traces them; several are measured one after the other
+    #[arg(long, value_enum, value_name = "A,B", default_value = "cpu", value_delimiter = ',')]
+    device: Vec<Choice>,
     /// How rays are traced; the hits are the same with all
     #[arg(long, value_enum, default_value_t = Kernel::Single)]
     kernel: Kernel,
@@ -68,22 +75,30 @@ pub(crate) struct BenchArgs {
 
 /// Builds, compares, measures.
 pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
+    let mut choices = args.device.clone();
+    choices.dedup();
+    let mut devices = Vec::new();
+    for choice in choices {
+        choice.check(args.kernel)?;
+        devices.push(device::open(choice, ui)?);
+    }
     let mut loaded = scenes::load(&args.scene.scene, &args.scene.details, ui)?;
     cameras::settle_up(&args.camera, &mut loaded.scene);
     let built = contenders(args, &mut loaded, ui)?;
     let scene = &loaded.scene;
     trees::warn_of_degenerate(&built[0].1.statistics, ui);
     let views = cameras::choose(&args.camera, scene, &built[0].1.tree, cameras::VIEWS)?;
-    let mut report = Report::default();
     let mut counts = args.threads.clone();
     counts.dedup();
-    for threads in counts {
+    let mut report = Report::default();
+    let mut measure = |threads: usize, device: Option<&dyn Device>| -> Result<(), Failure> {
         let bench = Bench {
             scene,
             trees: built.iter().map(|(preset, tree)| (preset.name(), &tree.tree)).collect(),
             views: views.clone(),
-            pool: trees::pool(threads.get())?,
+            pool: trees::pool(threads)?,
             kernel: args.kernel,
+            device,
             rounds: args.rounds as usize,
             rays: args.rays.map(|rays| rays as usize),
             size: args.size,
@@ -94,6 +109,13 @@ pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
             let steps = Steps::default();
             let frames = ui.watch("frames", &steps, || bench.frames(&steps))?;
             report.frames.get_or_insert_default().extend(frames);
+        }
+        Ok(())
+    };
+    for device in &devices {
+        match device {
+            Some(device) => measure(trees::thread_count(None), Some(device.as_ref()))?,
+            None => counts.iter().try_for_each(|threads| measure(threads.get(), None))?,
         }
     }
     if args.json { ui::print_json(&report) } else { ui::print(&report.table(args.size)) }

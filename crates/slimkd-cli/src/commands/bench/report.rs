@@ -41,15 +41,16 @@ impl Report {
         let mut group = None;
         let mut base = f64::NAN;
         for rate in &self.results {
-            if group != Some((rate.workload, rate.threads)) {
-                (group, base) = (Some((rate.workload, rate.threads)), rate.mrays_per_s);
+            let of = (rate.workload, rate.device, rate.threads);
+            if group != Some(of) {
+                (group, base) = (Some(of), rate.mrays_per_s);
                 let share = 100.0 * rate.hits as f64 / rate.rays.max(1) as f64;
                 let _ = writeln!(
                     out,
                     "{} ({} rays, {share:.1} % hit, {})",
                     rate.workload,
                     grouped(rate.rays as u64),
-                    threads(rate.threads)
+                    place(rate.device, rate.threads)
                 );
             }
             let (rate, preset) = (rate.mrays_per_s, rate.preset);
@@ -57,13 +58,14 @@ impl Report {
         }
         let mut group = None;
         for frame in self.frames.iter().flatten() {
-            if group != Some((frame.view, frame.threads)) {
-                (group, base) = (Some((frame.view, frame.threads)), frame.frames_per_s);
+            let of = (frame.view, frame.device, frame.threads);
+            if group != Some(of) {
+                (group, base) = (Some(of), frame.frames_per_s);
                 let _ = writeln!(
                     out,
                     "view {}, {} ({} x {}, 1 sample a pixel, no ambient occlusion; in brackets: degradation)",
                     frame.view,
-                    threads(frame.threads),
+                    place(frame.device, frame.threads),
                     size.width,
                     size.height
                 );
@@ -77,6 +79,10 @@ impl Report {
     }
 }
 
-fn threads(count: usize) -> String {
-    if count == 1 { "1 thread".to_owned() } else { format!("{count} threads") }
+fn place(device: &str, threads: usize) -> String {
+    match (device, threads) {
+        ("gpu", _) => "GPU".to_owned(),
+        (_, 1) => "1 thread".to_owned(),
+        _ => format!("{threads} threads"),
+    }
 }

@@ -3,14 +3,15 @@
 use super::report::{FrameRate, Rate};
 use crate::args::Size;
 use crate::cameras::View;
+use crate::device::{Device, Pictures, Tracer};
 use crate::failure::Failure;
 use crate::kernel::Kernel;
-use crate::measure::{Answers, Named, agree};
+use crate::measure::{Answers, Named, agree, agree_with_cpu};
 use crate::ui::{Ui, Watched, grouped};
 use crate::workloads::{self, Workload};
 use rayon::ThreadPool;
 use slimkd::Ray;
-use slimkd_report::measure::{Cpu, Frame, frames, whitted};
+use slimkd_report::measure::{self, Cpu, Frame, frames, whitted};
 use slimkd_report::median::median;
 use slimkd_report::{Progress, ReportError};
 use slimkd_scene::Scene;
@@ -27,7 +28,9 @@ pub(super) const MOST_RAYS: usize = 1 << 20;
 /// Number of workloads.
 const WORKLOADS: usize = 4;
 /// Where rays are traced.
-const DEVICE: &str = "cpu";
+const CPU: &str = "cpu";
+/// The same.
+const GPU: &str = "gpu";
 
 /// What is measured, and with what.
 pub(super) struct Bench<'a> {
@@ -36,6 +39,8 @@ pub(super) struct Bench<'a> {
     pub(super) views: Vec<View>,
     pub(super) pool: ThreadPool,
     pub(super) kernel: Kernel,
+    /// What traces and renders in the CPU's stead.
+    pub(super) device: Option<&'a dyn Device>,
     pub(super) rounds: usize,
     pub(super) rays: Option<usize>,
     /// Of the pictures.
@@ -45,18 +50,21 @@ pub(super) struct Bench<'a> {
 impl Bench<'_> {
     /// The rates of all presets on all workloads.
     pub(super) fn rates(&self, steps: &Steps, ui: Ui) -> Result<Vec<Rate>, Failure> {
-        let workloads = self.workloads()?;
+        let uploaded = self.uploaded()?;
+        let workloads = self.workloads(&uploaded)?;
         steps.expect(workloads.len() * (1 + self.rounds) * self.trees.len());
         let mut hits = Vec::new();
         for workload in &workloads {
-            let count = agree(&self.pool, &self.trees, self.kernel, workload)?;
+            let (count, alike) = if uploaded.is_empty() {
+                (agree(&self.pool, &self.trees, self.kernel, workload)?, "the same with all presets")
+            } else {
+                let count = agree_with_cpu(&self.pool, self.trees[0].1, &uploaded, workload)?;
+                (count, "the CPU's with all presets")
+            };
             steps.done(self.trees.len());
             let share = 100.0 * count as f64 / workload.rays.len().max(1) as f64;
             let rays = grouped(workload.rays.len() as u64);
-            ui.note(format_args!(
-                "{}: {rays} rays, {share:.1} % hit, the same with all presets",
-                workload.name
-            ));
+            ui.note(format_args!("{}: {rays} rays, {share:.1} % hit, {alike}", workload.name));
             hits.push(count);
         }
         let mut answers = Answers::with(self.kernel);
@@ -66,8 +74,7 @@ impl Bench<'_> {
                 for turn in 0..self.trees.len() {
                     // Another preset begins each time, so that none always runs in the wake of the same one.
                     let index = (turn + round) % self.trees.len();
-                    let tree = self.trees[index].1;
-                    let seconds = answers.trace(&self.pool, tree, &workload.rays, workload.any)?;
+                    let seconds = self.trace(&mut answers, &uploaded, index, &workload.rays, workload.any)?;
                     rates[index].push(workload.rays.len() as f64 / seconds.max(1e-9) / 1e6);
                     steps.done(1);
                 }
@@ -79,8 +86,8 @@ impl Bench<'_> {
                 results.push(Rate {
                     preset,
                     kernel: self.kernel.name(),
-                    device: DEVICE,
-                    threads: self.pool.current_num_threads(),
+                    device: self.device_name(),
+                    threads: self.threads(),
                     workload: workload.name,
                     rays: workload.rays.len(),
                     hits,
@@ -91,19 +98,49 @@ impl Bench<'_> {
         Ok(results)
     }
 
+    /// All trees on the device; none for the CPU.
+    fn uploaded(&self) -> Result<Vec<Box<dyn Tracer + '_>>, Failure> {
+        let Some(device) = self.device else { return Ok(Vec::new()) };
+        self.trees.iter().map(|(_, tree)| device.tree(tree).map_err(Failure::work)).collect()
+    }
+
+    /// Traces with tree number `index`, wherever that is done; the seconds that it took.
+    fn trace(
+        &self,
+        answers: &mut Answers,
+        uploaded: &[Box<dyn Tracer + '_>],
+        index: usize,
+        rays: &[Ray],
+        any: bool,
+    ) -> Result<f64, Failure> {
+        match uploaded.get(index) {
+            Some(tree) => answers.trace_on(tree.as_ref(), rays, any),
+            None => answers.trace(&self.pool, self.trees[index].1, rays, any),
+        }
+    }
+
+    fn device_name(&self) -> &'static str {
+        if self.device.is_some() { GPU } else { CPU }
+    }
+
+    /// Threads of the CPU that do the work; one waits for a GPU.
+    fn threads(&self) -> usize {
+        if self.device.is_some() { 1 } else { self.pool.current_num_threads() }
+    }
+
     /// The rays, as many as the time allows.
-    fn workloads(&self) -> Result<Vec<Workload>, Failure> {
+    fn workloads(&self, uploaded: &[Box<dyn Tracer + '_>]) -> Result<Vec<Workload>, Failure> {
         let tree = self.trees[0].1;
         let mut answers = Answers::with(self.kernel);
         let most = self.rays.unwrap_or(MOST_RAYS);
         let mut primary = workloads::primary(&self.views, most)
             .map_err(|error| Failure::work(format_args!("{}: {error} (--camera, --up)", self.scene.name)))?;
-        let count = self.affordable(&primary, false)?;
+        let count = self.affordable(uploaded, &primary, false)?;
         primary.truncate(count);
         answers.trace(&self.pool, tree, &primary, false)?;
         let mut workloads = workloads::all(self.scene, tree, &self.views, primary, answers.closest());
         for workload in &mut workloads {
-            let count = self.affordable(&workload.rays, workload.any)?;
+            let count = self.affordable(uploaded, &workload.rays, workload.any)?;
             workload.rays.truncate(count);
         }
         // A workload without a ray has no rate: the camera sees nothing, or no light.
@@ -112,7 +149,12 @@ impl Bench<'_> {
     }
 
     /// How many of these rays one run should trace, from the rate of the first preset on the first of them.
-    fn affordable(&self, rays: &[Ray], any: bool) -> Result<usize, Failure> {
+    fn affordable(
+        &self,
+        uploaded: &[Box<dyn Tracer + '_>],
+        rays: &[Ray],
+        any: bool,
+    ) -> Result<usize, Failure> {
         if self.rays.is_some() {
             return Ok(rays.len());
         }
@@ -121,8 +163,8 @@ impl Bench<'_> {
         let sample = &rays[..rays.len().min(LEAST_RAYS)];
         let mut answers = Answers::with(self.kernel);
         // The first run warms the caches.
-        answers.trace(&self.pool, self.trees[0].1, &sample[..sample.len() / 2], any)?;
-        let took = answers.trace(&self.pool, self.trees[0].1, sample, any)?;
+        self.trace(&mut answers, uploaded, 0, &sample[..sample.len() / 2], any)?;
+        let took = self.trace(&mut answers, uploaded, 0, sample, any)?;
         let count = (sample.len() as f64 / took.max(1e-9) * seconds) as usize;
         Ok(count.clamp(LEAST_RAYS, MOST_RAYS).min(rays.len()))
     }
@@ -130,12 +172,14 @@ impl Bench<'_> {
     /// Pictures a second of all presets and views.
     pub(super) fn frames(&self, steps: &Steps) -> Result<Vec<FrameRate>, Failure> {
         steps.expect(self.views.len() * (1 + self.rounds) * self.trees.len());
-        let threads = self.pool.current_num_threads();
         let failed = |error| match error {
             ReportError::Cancelled => Failure::Interrupted,
             error => Failure::work(error),
         };
-        let device = Cpu::new(threads).map_err(failed)?;
+        let device: Box<dyn measure::Device + '_> = match self.device {
+            Some(device) => Box::new(Pictures(device)),
+            None => Box::new(Cpu::new(self.threads()).map_err(failed)?),
+        };
         let settings = whitted(self.size.width, self.size.height);
         let mut results = Vec::new();
         for view in &self.views {
@@ -145,14 +189,14 @@ impl Bench<'_> {
             // Passes Ctrl-C on; the bar is that of all pictures together.
             let seconds = Ui::new(true)
                 .watch("", &progress, || {
-                    frames(&device, &frame, &self.trees, self.rounds, &progress, &|| steps.done(1))
+                    frames(device.as_ref(), &frame, &self.trees, self.rounds, &progress, &|| steps.done(1))
                 })
                 .map_err(failed)?;
             for ((preset, _), seconds) in self.trees.iter().zip(&seconds) {
                 results.push(FrameRate {
                     preset,
-                    device: DEVICE,
-                    threads,
+                    device: self.device_name(),
+                    threads: self.threads(),
                     view: view.number,
                     frames_per_s: median(seconds).map_or(f64::NAN, |seconds| 1.0 / seconds.max(1e-9)),
                 });

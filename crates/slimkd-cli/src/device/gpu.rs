@@ -1,0 +1,96 @@
+//! The GPU as a device.
+
+use super::{Device, Renderer, Tracer};
+use slimkd::{Aabb, Hit, KdTree, Ray};
+use slimkd_gpu::frame::{FrameError, GpuScene};
+use slimkd_gpu::{GpuTree, UploadOptions};
+use slimkd_render::{Film, RenderError, RenderProgress, RenderSettings, Setup};
+use slimkd_scene::Scene;
+
+/// Mesa's device selection complains on stderr where there is no XDG_RUNTIME_DIR, as on servers, and then is of no use. It is
+/// switched off by a variable of the environment, which only a new process gets safely: this one becomes it.
+pub(crate) fn quieten() {
+    #[cfg(unix)]
+    {
+        use std::env::{args_os, current_exe, var_os};
+        use std::ffi::OsString;
+        use std::os::unix::process::CommandExt;
+        const SWITCH: &str = "NODEVICE_SELECT";
+        let named = |argument: OsString| {
+            let argument = argument.to_string_lossy();
+            argument == "devices" || argument == "report" || argument.starts_with("--device")
+        };
+        let wanted = args_os().skip(1).any(named);
+        if !wanted || var_os("XDG_RUNTIME_DIR").is_some() || var_os(SWITCH).is_some() {
+            return;
+        }
+        let mut arguments = args_os();
+        if let (Ok(program), Some(name)) = (current_exe(), arguments.next()) {
+            // It returns only where it failed, and then there is one line more.
+            let _ = std::process::Command::new(program).arg0(name).args(arguments).env(SWITCH, "1").exec();
+        }
+    }
+}
+
+/// The adapter that is listed first.
+pub(super) fn adapter() -> Result<Box<dyn Device>, String> {
+    match slimkd_gpu::Device::open(None) {
+        Ok(device) => Ok(Box::new(device)),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+impl Device for slimkd_gpu::Device {
+    fn name(&self) -> String {
+        format!("{} ({})", self.adapter().name, self.adapter().backend)
+    }
+
+    fn is_software(&self) -> bool {
+        self.adapter().kind == "software"
+    }
+
+    fn tree<'d>(&'d self, tree: &KdTree) -> Result<Box<dyn Tracer + 'd>, String> {
+        match GpuTree::upload(self, tree, &UploadOptions::default()) {
+            Ok(tree) => Ok(Box::new(tree)),
+            Err(error) => Err(error.to_string()),
+        }
+    }
+
+    fn scene<'d>(&'d self, scene: &Scene, tree: &KdTree) -> Result<Box<dyn Renderer + 'd>, String> {
+        match GpuScene::upload(self, scene, tree, &UploadOptions::default()) {
+            Ok(scene) => Ok(Box::new(scene)),
+            Err(error) => Err(error.to_string()),
+        }
+    }
+}
+
+impl Tracer for GpuTree<'_> {
+    fn closest(&self, rays: &[Ray], hits: &mut [Option<Hit>]) -> Result<f64, String> {
+        self.closest_hits(rays, hits)
+            .map(|time| time.kernels.as_secs_f64())
+            .map_err(|error| error.to_string())
+    }
+
+    fn t_bound(&self, ray: &Ray, bounds: &Aabb, t: f32) -> f32 {
+        slimkd_gpu::t_bound(ray, bounds, t)
+    }
+
+    fn any(&self, rays: &[Ray], hits: &mut [bool]) -> Result<f64, String> {
+        self.any_hits(rays, hits).map(|time| time.kernels.as_secs_f64()).map_err(|error| error.to_string())
+    }
+}
+
+impl Renderer for GpuScene<'_> {
+    fn picture(
+        &self,
+        setup: &Setup<'_>,
+        settings: &RenderSettings,
+        progress: &RenderProgress,
+    ) -> Result<Option<(Film, f64)>, String> {
+        match self.render(setup, settings, progress) {
+            Ok((film, time)) => Ok(Some((film, time.kernels.as_secs_f64()))),
+            Err(FrameError::Render(RenderError::Cancelled)) => Ok(None),
+            Err(error) => Err(error.to_string()),
+        }
+    }
+}
