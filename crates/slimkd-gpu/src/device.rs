@@ -1,6 +1,8 @@
 //! Adapters, and one of them opened.
 
 use crate::GpuError;
+use crate::kernel::Kernel;
+use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 use wgpu::{Backends, Features, InstanceDescriptor, Limits};
 
@@ -72,6 +74,8 @@ pub struct Device {
     pub(crate) queue: wgpu::Queue,
     pub(crate) limits: Limits,
     pub(crate) timestamps: bool,
+    /// By their text.
+    pub(crate) kernels: Mutex<HashMap<String, Kernel>>,
     adapter: Adapter,
     lost: Arc<Mutex<Option<String>>>,
 }
@@ -108,7 +112,8 @@ impl Device {
             let text = if message.is_empty() { format!("{reason:?}") } else { message };
             note.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).get_or_insert(text);
         });
-        Ok(Self { device, queue, limits, timestamps, adapter, lost })
+        let kernels = Mutex::default();
+        Ok(Self { device, queue, limits, timestamps, kernels, adapter, lost })
     }
 
     /// What it is.

@@ -33,6 +33,7 @@ mod error;
 #[cfg(feature = "render")]
 pub mod frame;
 mod image;
+mod kernel;
 mod source;
 mod stamps;
 mod trace;

@@ -1,13 +1,14 @@
 //! Batches of rays through an uploaded tree.
 
 use crate::image::Image;
+use crate::kernel::Kernel;
 use crate::stamps::Stamps;
 use crate::upload::Uploaded;
 use crate::{Device, GpuError, source};
 use slimkd::{Hit, KdTree, Ray};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
-use wgpu::{BufferUsages, ShaderStages};
+use wgpu::BufferUsages;
 
 /// Rays of one dispatch, at most: short enough for a display's watchdog, long enough to fill any GPU.
 const BATCH: usize = 1 << 18;
@@ -55,8 +56,7 @@ impl std::ops::AddAssign for GpuTime {
 pub struct GpuTree<'d> {
     device: &'d Device,
     uploaded: Uploaded,
-    pipeline: wgpu::ComputePipeline,
-    layout: wgpu::BindGroupLayout,
+    kernel: Kernel,
     /// One batch at a time uses the buffers.
     buffers: Mutex<Option<Buffers>>,
     bytes: u64,
@@ -89,9 +89,8 @@ impl<'d> GpuTree<'d> {
             wgpu::BufferBindingType::Storage { read_only: true },
             wgpu::BufferBindingType::Storage { read_only: false },
         ];
-        let (pipeline, layout) =
-            device.guarded(0, || compile(device, &uploaded.layout, &kinds, &text, "trace_rays"))?;
-        Ok(Self { device, uploaded, pipeline, layout, buffers: Mutex::new(None), bytes })
+        let kernel = Kernel::of(device, &uploaded.layout, &kinds, text, "trace_rays")?;
+        Ok(Self { device, uploaded, kernel, buffers: Mutex::new(None), bytes })
     }
 
     /// Bytes of tree and mesh on the GPU.
@@ -212,13 +211,13 @@ impl<'d> GpuTree<'d> {
                 .map(|k| wgpu::BindGroupEntry { binding: k as u32, resource: bound[k].as_entire_binding() });
             let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: None,
-                layout: &self.layout,
+                layout: &self.kernel.layout,
                 entries: &entries,
             });
             let mut encoder = device.create_command_encoder(&Default::default());
             {
                 let mut pass = buffers.stamps.pass(&mut encoder);
-                pass.set_pipeline(&self.pipeline);
+                pass.set_pipeline(&self.kernel.pipeline);
                 pass.set_bind_group(0, &self.uploaded.group, &[]);
                 pass.set_bind_group(1, &group, &[]);
                 pass.dispatch_workgroups((rays.len() as u32).div_ceil(WORKGROUP), 1, 1);
@@ -240,47 +239,4 @@ impl<'d> GpuTree<'d> {
 /// More than words can address.
 pub(crate) fn too_large(tree: &KdTree) -> GpuError {
     GpuError::TooLarge { needed: tree.memory().resident(), limit: 4 * u64::from(u32::MAX) }
-}
-
-/// A pipeline over the image (group 0) and bindings of `kinds` (group 1).
-pub(crate) fn compile(
-    device: &Device,
-    image: &wgpu::BindGroupLayout,
-    kinds: &[wgpu::BufferBindingType],
-    text: &str,
-    entry_point: &str,
-) -> (wgpu::ComputePipeline, wgpu::BindGroupLayout) {
-    let entries: Vec<_> = kinds
-        .iter()
-        .enumerate()
-        .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry {
-            binding: binding as u32,
-            visibility: ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
-            count: None,
-        })
-        .collect();
-    let device = &device.device;
-    let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some(entry_point),
-        entries: &entries,
-    });
-    let both = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(entry_point),
-        bind_group_layouts: &[Some(image), Some(&layout)],
-        immediate_size: 0,
-    });
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(entry_point),
-        source: wgpu::ShaderSource::Wgsl(text.into()),
-    });
-    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some(entry_point),
-        layout: Some(&both),
-        module: &module,
-        entry_point: Some(entry_point),
-        compilation_options: Default::default(),
-        cache: None,
-    });
-    (pipeline, layout)
 }

@@ -17,23 +17,22 @@
 //!
 //! # How near to the CPU's picture
 //!
-//! Primary rays and hit points come from sums of two floats and are the CPU's nearly to the last bit; what follows is in f32 as
-//! there, in another order of roundings. Pixels at the edges of things and of shadows may differ; 99.9 of a hundred others
-//! do not by more than 1/255 (`docs/gpu.md`).
+//! What decides where a ray starts or goes is computed as on the CPU, f64 as sums of two floats; colours are f32 as there, in
+//! another order. At most a pixel in a thousand differs by more than 1/255, at edges of things and of shadows.
 
 mod words;
 
 pub use words::Frame;
 
 use crate::image::Image;
+use crate::kernel::Kernel;
 use crate::stamps::Stamps;
-use crate::trace::{compile, too_large};
+use crate::trace::too_large;
 use crate::upload::Uploaded;
 use crate::{Device, GpuError, GpuTime, UploadOptions, source};
 use slimkd::KdTree;
 use slimkd_render::{Film, RenderError, RenderProgress, RenderSettings, RenderStatistics, Setup};
 use slimkd_scene::Scene;
-use std::sync::Mutex;
 use std::time::Instant;
 use thiserror::Error;
 use wgpu::{BufferBindingType, BufferUsages};
@@ -69,15 +68,6 @@ pub struct GpuScene<'d> {
     words: Frame,
     block: [u32; 2],
     bytes: u64,
-    /// The kernel of the depth that was last asked for: the rays that may wait are written into it.
-    kernel: Mutex<Option<Kernel>>,
-}
-
-#[derive(Debug)]
-struct Kernel {
-    max_depth: u32,
-    pipeline: wgpu::ComputePipeline,
-    layout: wgpu::BindGroupLayout,
 }
 
 /// Of one picture.
@@ -116,7 +106,7 @@ impl<'d> GpuScene<'d> {
         let words = Frame::append(&mut image, scene).ok_or_else(|| too_large(tree))?;
         let uploaded = Uploaded::new(device, &image, options.stack.max(1), options.binding_limit)?;
         let (block, bytes) = (options.block.map(|edge| edge.max(1)), image.bytes());
-        Ok(Self { device, uploaded, words, block, bytes, kernel: Mutex::new(None) })
+        Ok(Self { device, uploaded, words, block, bytes })
     }
 
     /// Bytes of tree, mesh and shading on the GPU.
@@ -129,8 +119,8 @@ impl<'d> GpuScene<'d> {
         self.uploaded.shape.shards
     }
 
-    /// Renders the picture that `setup` prepares. The first of a [`RenderSettings::max_depth`] compiles its kernel. The same
-    /// picture has the same bits each time, with every preset's tree.
+    /// Renders the picture that `setup` prepares, with the same bits each time. The first of a [`RenderSettings::max_depth`]
+    /// compiles its kernel.
     ///
     /// # Errors
     /// [`RenderError::Cancelled`], [`RenderError::Film`], [`GpuError::Lost`], [`GpuError::OutOfMemory`], [`GpuError::Kernel`].
@@ -141,18 +131,14 @@ impl<'d> GpuScene<'d> {
         progress: &RenderProgress,
     ) -> Result<(Film, GpuTime), FrameError> {
         let mut film = Film::new(settings.width, settings.height).map_err(RenderError::from)?;
-        let mut kernel = self.kernel.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        let kernel = match kernel.take().filter(|kernel| kernel.max_depth == settings.max_depth) {
-            Some(known) => kernel.insert(known),
-            None => kernel.insert(self.compile(settings.max_depth)?),
-        };
+        let kernel = self.kernel(settings.max_depth)?;
         let started = Instant::now();
         let (mut frame, lights) = self.words.of_picture(setup, settings);
         let edge = if self.device.adapter().kind == "software" { SOFTWARE_TILE } else { TILE };
         let edge = edge.min(settings.width.max(settings.height));
         let pixels = u64::from(edge) * u64::from(edge);
         let buffers =
-            self.device.guarded(2 * pixels * PIXEL_BYTES, || self.buffers(kernel, pixels, &lights))?;
+            self.device.guarded(2 * pixels * PIXEL_BYTES, || self.buffers(&kernel, pixels, &lights))?;
         let mut time = GpuTime::default();
         let tiles = tiles(settings.width, settings.height, edge);
         let steps = tiles.len() as u64 * u64::from(settings.samples);
@@ -164,7 +150,7 @@ impl<'d> GpuScene<'d> {
                 }
                 (frame.first_sample, frame.sample_count) = (sample, 1);
                 let last = sample + 1 == settings.samples;
-                time.kernels += self.dispatch(kernel, &buffers, frame, tile, last, progress)?;
+                time.kernels += self.dispatch(&kernel, &buffers, frame, tile, last, progress)?;
                 done += 1;
                 progress.set(done as f64 / steps as f64);
             }
@@ -174,7 +160,8 @@ impl<'d> GpuScene<'d> {
         Ok((film, time))
     }
 
-    fn compile(&self, max_depth: u32) -> Result<Kernel, GpuError> {
+    /// The rays that may wait are written into it.
+    fn kernel(&self, max_depth: u32) -> Result<Kernel, GpuError> {
         let [x, y] = self.block;
         // A node's two rays take its own place and one more.
         let constants = format!(
@@ -190,10 +177,7 @@ impl<'d> GpuScene<'d> {
             BufferBindingType::Storage { read_only: false },
             BufferBindingType::Storage { read_only: false },
         ];
-        let (pipeline, layout) = self
-            .device
-            .guarded(0, || compile(self.device, &self.uploaded.layout, &kinds, &text, "render_frame"))?;
-        Ok(Kernel { max_depth, pipeline, layout })
+        Kernel::of(self.device, &self.uploaded.layout, &kinds, text, "render_frame")
     }
 
     fn buffers(&self, kernel: &Kernel, pixels: u64, lights: &[[f32; 8]]) -> Buffers {

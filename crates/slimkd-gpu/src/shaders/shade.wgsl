@@ -22,15 +22,26 @@ fn stratified(seed: u32, index: u32, count: u32) -> vec2<f32> {
     return vec2<f32>(min(x, 0.99999988), unit(reverseBits(index) ^ hash(seed, 0u, 2u)));
 }
 
-// Sine and cosine of a share of the full turn: drivers may err by 2^-11.
-fn sine_cosine(turn: f32) -> vec2<f32> {
-    let quarter = floor(turn * 4.0 + 0.5);
-    let a = (turn - quarter * 0.25) * 6.2831853;
-    let q = a * a;
-    let s = a * (1.0 + q * (-1.6666667e-1 + q * (8.3333333e-3 + q * (-1.9841270e-4 + q * 2.7557319e-6))));
-    let c = 1.0 + q * (-0.5 + q * (4.1666667e-2 + q * (-1.3888889e-3 + q * 2.4801587e-5)));
+// Sine and cosine of an angle from 0 to 2π, rounded as a good library does it: drivers may err by 2^-11.
+fn sine_cosine(angle: f32) -> vec2<f32> {
+    let quarter = floor(angle * 0.63661977 + 0.5);
+    // π/2 is the sum of three floats.
+    let near = add(Double(angle, 0.0), minus(two_product(quarter, 1.57079637)));
+    let r = add(add(near, minus(two_product(quarter, -4.37113883e-8))), Double(quarter * 1.71512451e-15, 0.0));
+    let q = product_of(r, r);
+    let qq = product_of(q, q);
+    let h = q.high;
+    let s = add(
+        add(Double(1.0, 0.0), minus(product_of(q, Double(1.66666672e-1, -4.96705388e-9)))),
+        add(product_of(qq, Double(8.33333377e-3, -4.34617203e-10)), Double(h * h * h * (-1.984127e-4 + h * 2.7557319e-6), 0.0)),
+    );
+    let c = add(
+        add(Double(1.0, 0.0), Double(-0.5 * q.high, -0.5 * q.low)),
+        add(product_of(qq, Double(4.16666679e-2, -1.24176347e-9)), Double(h * h * h * (-1.3888889e-3 + h * 2.4801587e-5), 0.0)),
+    );
+    let sine = product_of(r, s).high;
     let k = u32(quarter) & 3u;
-    let turned = select(vec2<f32>(s, c), vec2<f32>(c, -s), (k & 1u) == 1u);
+    let turned = select(vec2<f32>(sine, c.high), vec2<f32>(c.high, -sine), (k & 1u) == 1u);
     return select(turned, -turned, k >= 2u);
 }
 
@@ -169,11 +180,12 @@ fn occlusion_direction(surface: Surface, seed: u32, index: u32) -> vec3<f32> {
     let n = surface.shading;
     // any_orthonormal_pair of glam: Duff et al. 2017.
     let sign = select(1.0, -1.0, (bitcast<u32>(n.z) >> 31u) == 1u);
-    let a = -1.0 / (sign + n.z);
-    let b = n.x * n.y * a;
-    let tangent = vec3<f32>(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x);
-    let bitangent = vec3<f32>(b, sign + n.y * n.y * a, -n.y);
-    let turned = sine_cosine(point.y);
-    let flat = (tangent * turned.y + bitangent * turned.x) * sqrt(point.x);
-    return flat + n * sqrt(max(1.0 - point.x, 0.0));
+    let a = keep(-1.0 / keep(sign + n.z));
+    let b = keep(keep(n.x * n.y) * a);
+    let tangent = vec3<f32>(keep(1.0 + keep(keep(sign * n.x * n.x) * a)), sign * b, -sign * n.x);
+    let bitangent = vec3<f32>(b, keep(sign + keep(keep(n.y * n.y) * a)), -n.y);
+    let turned = sine_cosine(keep(point.y * 6.2831855));
+    let flat = along(keep3(tangent * turned.y), bitangent, turned.x);
+    let radius = keep(sqrt(point.x));
+    return along(keep3(flat * radius), n, keep(sqrt(max(keep(1.0 - point.x), 0.0))));
 }

@@ -205,7 +205,7 @@ pub fn frames(scene: &SceneJson<'_>) -> Figure {
                 .collect(),
         })
         .collect();
-    let x = Axis::named("view and threads", names);
+    let x = Axis::named("view and device", names);
     let y = Axis::linear("frame rate, % of standard", Some(100.0));
     let svg = chart("Frame rate relative to standard", &x, &y, &series, "%");
     let note = "Medians of alternating rounds; above 100 is faster than standard.".to_owned();
