@@ -137,7 +137,8 @@ impl Lighting {
                 continue;
             }
             self.open[from] = 0.0;
-            let (tangent, bitangent) = surface.shading.any_orthonormal_pair();
+            // The pair turns with the sign of z, which a zero must not have: a GPU may keep it or not.
+            let (tangent, bitangent) = (surface.shading + Vec3::ZERO).any_orthonormal_pair();
             for index in 0..count {
                 let point = sampling::stratified(path.seed, sample * count + index, total);
                 // Cosine-weighted directions (Malley's method).

@@ -179,7 +179,7 @@ fn occlusion_direction(surface: Surface, seed: u32, index: u32) -> vec3<f32> {
     let point = stratified(seed, index, frame.occlusion * frame.samples);
     let n = surface.shading;
     // any_orthonormal_pair of glam: Duff et al. 2017.
-    let sign = select(1.0, -1.0, (bitcast<u32>(n.z) >> 31u) == 1u);
+    let sign = select(1.0, -1.0, n.z < 0.0);
     let a = keep(-1.0 / keep(sign + n.z));
     let b = keep(keep(n.x * n.y) * a);
     let tangent = vec3<f32>(keep(1.0 + keep(keep(sign * n.x * n.x) * a)), sign * b, -sign * n.x);

@@ -146,7 +146,7 @@ impl Picture<'_> {
     /// Direction number `index` of a pixel's ambient occlusion.
     pub(super) fn occlusion_direction(&self, surface: &Surface, seed: u32, index: u32) -> Vec3 {
         let point = stratified(seed, index, self.frame.occlusion * self.frame.samples);
-        let (tangent, bitangent) = surface.shading.any_orthonormal_pair();
+        let (tangent, bitangent) = (surface.shading + Vec3::ZERO).any_orthonormal_pair();
         let (sine, cosine) = (point.y * std::f32::consts::TAU).sin_cos();
         let flat = (tangent * cosine + bitangent * sine) * point.x.sqrt();
         flat + surface.shading * (1.0 - point.x).max(0.0).sqrt()
