@@ -72,7 +72,11 @@ fn adapter() -> Result<Box<dyn Device>, String> {
 }
 
 /// A device, as what measures frames sees it.
-pub(crate) struct Pictures<'d>(pub(crate) &'d dyn Device);
+pub(crate) struct Pictures<'d> {
+    pub(crate) device: &'d dyn Device,
+    /// Whether it was not asked for by name.
+    pub(crate) optional: bool,
+}
 
 /// Share of a picture's pixels that may differ from the CPU's.
 const UNLIKE: f64 = 1e-3;
@@ -87,15 +91,19 @@ impl measure::Device for Pictures<'_> {
     }
 
     fn description(&self) -> Option<String> {
-        Some(self.0.name())
+        Some(self.device.name())
     }
 
     fn unlike(&self) -> f64 {
         UNLIKE
     }
 
+    fn is_optional(&self) -> bool {
+        self.optional
+    }
+
     fn ready<'a>(&'a self, scene: &'a Scene, tree: &'a KdTree) -> Result<Box<dyn Ready + 'a>, DeviceError> {
-        let renderer = self.0.scene(scene, tree).map_err(DeviceError::Failed)?;
+        let renderer = self.device.scene(scene, tree).map_err(DeviceError::Failed)?;
         Ok(Box::new(Uploaded { renderer, scene, tree }))
     }
 }

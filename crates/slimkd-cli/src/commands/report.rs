@@ -107,7 +107,8 @@ pub(crate) fn run(args: &ReportArgs, ui: Ui) -> Result<(), Failure> {
     let device = device::open(args.device, ui)?;
     let mut session = Session::new(&args.output, &options, limit, &progress).map_err(failure)?;
     if let Some(device) = &device {
-        session.add_device(Box::new(Pictures(device.as_ref())));
+        let optional = args.device == Choice::Auto;
+        session.add_device(Box::new(Pictures { device: device.as_ref(), optional }));
     }
     let mut measured = Vec::new();
     let default = [PathBuf::from(DEFAULT_SCENE)];

@@ -1,11 +1,12 @@
 //! `shaders/frame.wgsl` in Rust.
 
 use super::Twin;
-use super::shade::{hash, reflectance, refracted, rgb, stratified};
+use super::shade::{hash, rgb, stratified};
 use super::surface::Surface;
 use crate::frame::Frame;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use slimkd::Ray;
+use slimkd_render::{dielectric_reflectance, refract};
 
 /// Transparent surfaces that a shadow ray may pass.
 const MAX_TRANSPARENT: u32 = 32;
@@ -85,10 +86,10 @@ impl<'i> Picture<'i> {
         if transmission > 0.0 {
             let ior = self.float(material + 11);
             let eta = if surface.outside { ior } else { 1.0 / ior };
-            match refracted(path.direction, surface.shading, eta) {
+            match refract(path.direction, surface.shading, eta) {
                 None => reflection += transmission,
                 Some(towards) => {
-                    let fresnel = reflectance(-path.direction.dot(surface.shading), eta);
+                    let fresnel = dielectric_reflectance(-path.direction.dot(surface.shading), eta);
                     reflection += transmission * fresnel;
                     let straight_on = towards.dot(surface.geometric) >= 0.0;
                     let towards = if straight_on { path.direction } else { towards };

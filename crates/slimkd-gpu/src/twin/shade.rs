@@ -25,30 +25,6 @@ pub(super) fn stratified(seed: u32, index: u32, count: u32) -> Vec2 {
     Vec2::new(x.min(1.0 - f32::EPSILON), unit(index.reverse_bits() ^ hash(seed, 0, 2)))
 }
 
-/// Share that a dielectric reflects.
-pub(super) fn reflectance(cosine: f32, eta: f32) -> f32 {
-    let cos_i = cosine.clamp(0.0, 1.0);
-    let sin2_t = (1.0 - cos_i * cos_i) / (eta * eta);
-    if sin2_t >= 1.0 {
-        return 1.0;
-    }
-    let cos_t = (1.0 - sin2_t).sqrt();
-    let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
-    let perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
-    0.5 * (parallel * parallel + perpendicular * perpendicular)
-}
-
-/// By Snell's law; `None` is total reflection.
-pub(super) fn refracted(direction: Vec3, normal: Vec3, eta: f32) -> Option<Vec3> {
-    let cos_i = -direction.dot(normal);
-    let sin2_t = (1.0 - cos_i * cos_i).max(0.0) / (eta * eta);
-    if sin2_t >= 1.0 {
-        return None;
-    }
-    let cos_t = (1.0 - sin2_t).sqrt();
-    (direction / eta + normal * (cos_i / eta - cos_t)).try_normalize()
-}
-
 impl Picture<'_> {
     pub(super) fn sky_radiance(&self, height: f32) -> Vec3 {
         let far = if height >= 0.0 { self.frame.zenith } else { self.frame.ground };

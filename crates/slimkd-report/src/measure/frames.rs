@@ -25,6 +25,10 @@ pub trait Device {
     fn unlike(&self) -> f64 {
         0.0
     }
+    /// Whether a scene that it has no room for is left out, instead of ending the report.
+    fn is_optional(&self) -> bool {
+        false
+    }
     /// A scene and one of its trees, brought to where they are rendered.
     fn ready<'a>(&'a self, scene: &'a Scene, tree: &'a KdTree) -> Result<Box<dyn Ready + 'a>, DeviceError>;
 }

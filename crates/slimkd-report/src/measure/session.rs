@@ -1,6 +1,6 @@
 //! A run: which units there are, which are done, and whether to go on.
 
-use super::frames::{Cpu, Device};
+use super::frames::{Cpu, Device, DeviceError};
 use super::store::Store;
 use super::trees::Trees;
 use super::{ablation, frames, heat, pictures, scaling, sweep, trees};
@@ -171,7 +171,13 @@ impl<'a> Session<'a> {
         }
         for (view, device, unit) in &frame_units {
             let device = &*self.devices[*device];
-            out.frames.push(self.unit(unit, || frames::measure(self, &mut trees, &presets, view, device))?);
+            match self.unit(unit, || frames::measure(self, &mut trees, &presets, view, device)) {
+                Err(ReportError::Render { error: DeviceError::Failed(_), .. }) if device.is_optional() => {
+                    self.progress.done(unit.weight);
+                    self.left.set(self.left.get().saturating_sub(1));
+                }
+                frames => out.frames.push(frames?),
+            }
         }
         for (occupancy, unit) in &sweep_units {
             out.sweep.push(self.unit(unit, || sweep::measure(self, &mut trees, &views[0], *occupancy))?);

@@ -48,11 +48,33 @@ impl Device for Pretended {
     }
 }
 
+/// A GPU that has no room.
+struct Full;
+
+impl Device for Full {
+    fn name(&self) -> &str {
+        "gpu"
+    }
+
+    fn threads(&self) -> usize {
+        2
+    }
+
+    fn is_optional(&self) -> bool {
+        true
+    }
+
+    fn ready<'a>(&'a self, _: &'a Scene, _: &'a KdTree) -> Result<Box<dyn Ready + 'a>, DeviceError> {
+        Err(DeviceError::Failed("no room".to_owned()))
+    }
+}
+
 /// Measures and writes.
 pub fn report(folder: &Path, limit: Option<Duration>) -> Result<Raw, ReportError> {
     let (options, progress) = (options(), Progress::new());
     let mut session = Session::new(folder, &options, limit, &progress)?;
     session.add_device(Box::new(Pretended(Cpu::new(1)?)));
+    session.add_device(Box::new(Full));
     let mut kitchen = slimkd_scene::procedural::generate("kitchen", 3000).unwrap();
     // As its name says, so that published figures stand beside ours.
     kitchen.name = "bart_kitchen_101015".to_owned();

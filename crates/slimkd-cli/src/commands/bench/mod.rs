@@ -80,7 +80,7 @@ pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
     let mut devices = Vec::new();
     for choice in choices {
         choice.check(args.kernel)?;
-        devices.push(device::open(choice, ui)?);
+        devices.push((choice, device::open(choice, ui)?));
     }
     let mut loaded = scenes::load(&args.scene.scene, &args.scene.details, ui)?;
     cameras::settle_up(&args.camera, &mut loaded.scene);
@@ -112,9 +112,16 @@ pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
         }
         Ok(())
     };
-    for device in &devices {
+    for (choice, device) in &devices {
+        let takes_all = |device: &dyn Device| {
+            built.iter().try_for_each(|(_, tree)| device.scene(scene, &tree.tree).map(drop))
+        };
+        let device = match device.as_deref() {
+            Some(device) if *choice == Choice::Auto => choice.or_cpu(takes_all(device), ui)?.map(|()| device),
+            named => named,
+        };
         match device {
-            Some(device) => measure(trees::thread_count(None), Some(device.as_ref()))?,
+            Some(device) => measure(trees::thread_count(None), Some(device))?,
             None => counts.iter().try_for_each(|threads| measure(threads.get(), None))?,
         }
     }

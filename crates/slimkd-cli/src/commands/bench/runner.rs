@@ -177,7 +177,7 @@ impl Bench<'_> {
             error => Failure::work(error),
         };
         let device: Box<dyn measure::Device + '_> = match self.device {
-            Some(device) => Box::new(Pictures(device)),
+            Some(device) => Box::new(Pictures { device, optional: false }),
             None => Box::new(Cpu::new(self.threads()).map_err(failed)?),
         };
         let settings = whitted(self.size.width, self.size.height);
