@@ -1,7 +1,7 @@
 //! Trees beside the presets: `NAME=PRESET[,KEY=VALUE]…`, for sweeps, ablations and the tuning of constants.
 
 use anyhow::{Context, Result, bail, ensure};
-use slimkd::{BuildOptions, Clipping, Hoisting, Layout, Preset, TreeBudget};
+use slimkd::{BuildOptions, Clipping, Hoisting, Layout, Preset, Sweep, TreeBudget};
 use std::str::FromStr;
 
 /// A named set of build options.
@@ -61,6 +61,12 @@ fn set(options: &mut BuildOptions, key: &str, value: &str) -> Result<()> {
                 least => Clipping::ExactFrom(least.parse()?),
             }
         }
+        "sweep" => {
+            options.sweep = match value {
+                "exact" => Sweep::Exact,
+                least => Sweep::BinnedFrom(least.parse()?),
+            }
+        }
         "layout" => {
             options.layout = match value {
                 "four-byte" => Layout::FourByte,
@@ -77,7 +83,7 @@ fn set(options: &mut BuildOptions, key: &str, value: &str) -> Result<()> {
         }
         _ => bail!(
             "no such key; there are traversal, intersection, empty-bonus, leaf-at-most, byte-weight, collapse, \
-             hoisting, clipping, layout, per-triangle"
+             hoisting, clipping, sweep, layout, per-triangle"
         ),
     }
     Ok(())

@@ -61,7 +61,9 @@ pub mod reduce;
 pub mod traverse;
 pub mod tree;
 
-pub use build::{BuildError, BuildOptions, Clipping, Layout, Preset, Progress, SahConstants, TreeBudget};
+pub use build::{
+    BuildError, BuildOptions, Clipping, Layout, Preset, Progress, SahConstants, Sweep, TreeBudget,
+};
 pub use geometry::{Aabb, MeshError, Ray, RefinedHit, TriangleMesh};
 pub use reduce::{CountedLeaves, HoistAlgorithm, Hoisting, OccupancyBase, WhenLeafRemains};
 pub use traverse::{BruteForce, ClosestPoint, Counters, Hit, InstructionSet, RayCost};

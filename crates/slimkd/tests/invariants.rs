@@ -3,7 +3,7 @@
 mod common;
 
 use common::{soup, sphere, variants};
-use slimkd::{BuildOptions, KdTree, Preset, TreeStatistics, TriangleMesh};
+use slimkd::{BuildOptions, KdTree, Preset, Sweep, TreeStatistics, TriangleMesh};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 
@@ -109,12 +109,15 @@ fn the_bytes_do_not_depend_on_threads() {
 #[test]
 fn the_bytes_do_not_depend_on_threads_where_bytes_are_priced_by_a_sample() {
     let mesh = Arc::new(sphere(8)); // enough subtrees that only some are built in full
-    let bytes = |threads: usize| {
-        let mut options = BuildOptions::from(Preset::Slim);
-        options.threads = NonZeroUsize::new(threads);
-        let mut out = Vec::new();
-        KdTree::build(Arc::clone(&mesh), &options).unwrap().write(&mut out).unwrap();
-        out
-    };
-    assert!(bytes(1) == bytes(3));
+    for sweep in [Sweep::Exact, Sweep::BinnedFrom(0)] {
+        let bytes = |threads: usize| {
+            let mut options = BuildOptions::from(Preset::Slim);
+            options.sweep = sweep;
+            options.threads = NonZeroUsize::new(threads);
+            let mut out = Vec::new();
+            KdTree::build(Arc::clone(&mesh), &options).unwrap().write(&mut out).unwrap();
+            out
+        };
+        assert!(bytes(1) == bytes(3), "{sweep:?}");
+    }
 }

@@ -1,6 +1,6 @@
 //! Values of options, parsed and checked.
 
-use slimkd::{Clipping, Layout, TreeBudget};
+use slimkd::{Clipping, Layout, Sweep, TreeBudget};
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::str::FromStr;
 
@@ -80,6 +80,17 @@ pub(super) fn clipping(text: &str) -> Result<Clipping, String> {
             .parse()
             .map(Clipping::ExactFrom)
             .map_err(|_| format!("expected exact, box, or a number of triangles up to {}", u32::MAX)),
+    }
+}
+
+/// Which planes are looked at.
+pub(super) fn sweep(text: &str) -> Result<Sweep, String> {
+    match text {
+        "exact" => Ok(Sweep::Exact),
+        number => number
+            .parse()
+            .map(Sweep::BinnedFrom)
+            .map_err(|_| format!("expected exact, or a number of triangles up to {}", u32::MAX)),
     }
 }
 

@@ -1,11 +1,11 @@
 //! How a tree is built: the preset, and whatever is set in place of its own choices.
 
 use super::parse::{
-    TreeSize, bytes, clipping, fraction, layout, not_negative, positive, threads, tree_budget,
+    TreeSize, bytes, clipping, fraction, layout, not_negative, positive, sweep, threads, tree_budget,
 };
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset};
+use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset, Sweep};
 use std::num::NonZeroUsize;
 
 /// Everything that shapes one tree.
@@ -85,6 +85,10 @@ struct ShapeArgs {
     /// the preset's unless given
     #[arg(long, value_name = "exact|box|N", value_parser = clipping, allow_negative_numbers = true)]
     clipping: Option<Clipping>,
+    /// Which split planes are looked at: all, or in nodes of N triangles and more those beside the best border of bins. Faster
+    /// to build (33 is the least N that tells), and a little worse or better to trace
+    #[arg(long, value_name = "exact|N", value_parser = sweep, allow_negative_numbers = true)]
+    sweep: Option<Sweep>,
     /// How the tree is written: 8-byte nodes with 4-byte or also 2-byte references, or the dense layout; the preset's
     /// unless given
     #[arg(long, value_name = "four-byte|two-byte|dense", value_parser = layout)]
@@ -122,6 +126,7 @@ impl TuningArgs {
         set(&mut options.byte_weight, shape.byte_weight);
         set(&mut options.leaf_at_most, shape.leaf_at_most);
         set(&mut options.clipping, shape.clipping);
+        set(&mut options.sweep, shape.sweep);
         options.collapse |= shape.collapse || shape.byte_weight.is_some();
         set(&mut options.layout, shape.layout);
         if let Some(most) = shape.max_tree_bytes {
@@ -248,6 +253,8 @@ mod tests {
         assert_eq!(standard("--max-tree-bytes 6/tri").max_tree, Some(TreeBudget::BytesPerTriangle(6.0)));
         assert_eq!(standard("--clipping box").clipping, Clipping::Box);
         assert_eq!(standard("--clipping exact").clipping, Clipping::Exact);
+        assert_eq!(standard("").sweep, Sweep::Exact);
+        assert_eq!(standard("--sweep 1000").sweep, Sweep::BinnedFrom(1000));
         assert_eq!(standard("--clipping 10000").clipping, Clipping::ExactFrom(10_000));
     }
 
@@ -267,6 +274,7 @@ mod tests {
             "--max-tree-bytes -1/tri",
             "--clipping tight",
             "--clipping -3",
+            "--sweep fast",
             "--rebuild --predict",
             "--sah-traversal 0",
             "--empty-bonus -2",

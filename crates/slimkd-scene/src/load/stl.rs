@@ -73,7 +73,12 @@ fn parse_text(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, LoadError>
         last = number;
         let mut words = text::words(line);
         let Some(word) = words.next() else { continue };
-        match word.to_ascii_lowercase().as_slice() {
+        // In any case, without allocating: keywords have 8 letters at most, the ninth tells longer words apart.
+        let mut lower = [0; 9];
+        let length = word.len().min(lower.len());
+        lower[..length].copy_from_slice(&word[..length]);
+        lower.make_ascii_lowercase();
+        match &lower[..length] {
             b"solid" => inside = true,
             b"endsolid" => inside = false,
             b"facet" | b"endfacet" => {}

@@ -7,7 +7,10 @@
 //! 1. Bins only bound. With L₀ triangles that begin before a bin and R₁ that end behind it, no plane in it is cheaper than
 //!    one at the bin's ends with those counts; with L₁ and R₀, none is dearer. Whatever may still be the cheapest is
 //!    gathered, sorted and swept: the split is the exact sweep's to the last bit, in O(n) instead of sorted lists.
-//! 2. The bounds hold in floating point too: they evaluate the same expression on operands that are no larger (or no
+//! 2. Where [`Sweep::BinnedFrom`](super::Sweep::BinnedFrom) says so, the cheapest border between bins is taken for where the best
+//!    plane is, as in the sources, but the plane itself is still the best at a triangle's face in the bins on both sides: borders
+//!    alone miss walls, and trees grew by a third. Counts are exact, so costs are too.
+//! 3. The bounds hold in floating point too: they evaluate the same expression on operands that are no larger (or no
 //!    smaller), and rounding is monotonic.
 
 use super::BuildError;
@@ -86,6 +89,18 @@ struct Edges {
 }
 
 impl Edges {
+    /// Where a bin begins, but for rounding.
+    #[inline(always)]
+    fn border(&self, bin: i32) -> f64 {
+        self.low + (f64::from(bin) - 0.5) * self.width
+    }
+
+    /// What contains the bins from one to another.
+    fn range_of(&self, first: usize, last: usize) -> RangeInclusive<f32> {
+        let (low, high) = (self.range(first as i32), self.range(last as i32));
+        (low.0 as f32).next_down()..=(high.1 as f32).next_up()
+    }
+
     /// A range that contains all coordinates in `bin`; it may reach beyond the voxel.
     #[inline(always)]
     fn range(&self, bin: i32) -> (f64, f64) {
@@ -213,30 +228,29 @@ impl Search {
         self.binner
     }
 
-    /// Opens the bins that may hold the best plane.
-    pub(crate) fn bound(&mut self, sah: &VoxelSah, count: i32) {
+    /// Opens the bins that may hold the best plane, or with `binned` those beside the best border.
+    pub(crate) fn open(&mut self, sah: &VoxelSah, count: i32, binned: bool) {
         #[cfg(target_arch = "x86_64")]
         if std::arch::is_x86_feature_detected!("avx2") {
             // SAFETY: the instruction set was just found to be there.
-            return unsafe { self.bound_avx2(sah, count) };
+            return unsafe { self.open_avx2(sah, count, binned) };
         }
-        self.bound_anywhere(sah, count);
+        self.open_anywhere(sah, count, binned);
     }
 
     /// The same code for wider registers.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
-    fn bound_avx2(&mut self, sah: &VoxelSah, count: i32) {
-        self.bound_anywhere(sah, count);
+    fn open_avx2(&mut self, sah: &VoxelSah, count: i32, binned: bool) {
+        self.open_anywhere(sah, count, binned);
     }
 
     #[inline(always)]
-    fn bound_anywhere(&mut self, sah: &VoxelSah, count: i32) {
+    fn open_anywhere(&mut self, sah: &VoxelSah, count: i32, binned: bool) {
         let bins = self.binner.bins().min(MOST_BINS);
-        let mut best = [f64::INFINITY; LANES];
         for axis in 0..3 {
             let (starts, ends) = (&self.histogram.starts[axis][..bins], &self.histogram.ends[axis][..bins]);
-            let Bins { left, right, least, most, .. } = &mut self.bins[axis];
+            let Bins { left, right, .. } = &mut self.bins[axis];
             let (left, right) = (&mut left[..bins], &mut right[..bins]);
             let (mut begun, mut not_ended) = (0, count);
             for bin in 0..bins {
@@ -244,17 +258,52 @@ impl Search {
                 begun += starts[bin];
                 not_ended -= ends[bin];
             }
+        }
+        if binned { self.open_beside_best_border(sah, bins) } else { self.open_what_may_be_best(sah, bins) }
+    }
+
+    #[inline(always)]
+    fn open_beside_best_border(&mut self, sah: &VoxelSah, bins: usize) {
+        let (mut best, mut at) = (f64::INFINITY, None);
+        for axis in 0..3 {
+            self.open_ranges[axis] = None;
+            let Bins { left, right, least: costs, .. } = &mut self.bins[axis];
+            let (left, right, costs) = (&left[..bins], &right[..bins], &mut costs[..bins]);
+            let (sah, edges) = (sah.on(axis), self.binner.edges(axis));
+            for bin in 0..bins {
+                costs[bin] = sah.split(edges.border(bin as i32), left[bin], right[bin]);
+            }
+            costs[0] = f64::INFINITY; // it begins outside
+            let cost = least_of(costs);
+            if cost < best {
+                (best, at) = (cost, costs.iter().position(|&other| other == cost).map(|bin| (axis, bin)));
+            }
+        }
+        let Some((axis, border)) = at else { return };
+        let (starts, ends) = (&self.histogram.starts[axis][..bins], &self.histogram.ends[axis][..bins]);
+        let any = |&bin: &usize| starts[bin] | ends[bin] != 0;
+        // The nearest bins that are not empty.
+        let first = (0..border).rev().find(any).unwrap_or(border);
+        let last = (border..bins).find(any).unwrap_or(border);
+        let open = &mut self.bins[axis].open[..bins];
+        open.fill(false);
+        (open[first], open[last]) = (true, true);
+        self.open_ranges[axis] = Some(self.binner.edges(axis).range_of(first, last));
+    }
+
+    #[inline(always)]
+    fn open_what_may_be_best(&mut self, sah: &VoxelSah, bins: usize) {
+        let mut best = f64::INFINITY;
+        for axis in 0..3 {
+            let (starts, ends) = (&self.histogram.starts[axis][..bins], &self.histogram.ends[axis][..bins]);
+            let Bins { left, right, least, most, .. } = &mut self.bins[axis];
+            let (left, right) = (&left[..bins], &right[..bins]);
             let (sah, edges) = (sah.on(axis), self.binner.edges(axis));
             bound_bins(&mut least[..bins], &mut most[..bins], [starts, ends, left, right], sah, edges);
             // What is in the outermost bins may lie on the voxel's faces, where no plane is.
             (most[0], most[bins - 1]) = (f64::INFINITY, f64::INFINITY);
-            for most in most[..bins].as_chunks::<LANES>().0 {
-                for lane in 0..LANES {
-                    best[lane] = if most[lane] < best[lane] { most[lane] } else { best[lane] };
-                }
-            }
+            best = best.min(least_of(&most[..bins]));
         }
-        let best = best.into_iter().fold(f64::INFINITY, f64::min);
         for axis in 0..3 {
             let Bins { least, open, .. } = &mut self.bins[axis];
             for (open, &least) in open[..bins].iter_mut().zip(&least[..bins]) {
@@ -262,11 +311,8 @@ impl Search {
             }
             let first = open[..bins].iter().position(|&open| open);
             let last = open[..bins].iter().rposition(|&open| open);
-            self.open_ranges[axis] = first.zip(last).map(|(first, last)| {
-                let edges = self.binner.edges(axis);
-                let (low, high) = (edges.range(first as i32), edges.range(last as i32));
-                (low.0 as f32).next_down()..=(high.1 as f32).next_up()
-            });
+            let edges = self.binner.edges(axis);
+            self.open_ranges[axis] = first.zip(last).map(|(first, last)| edges.range_of(first, last));
         }
     }
 
@@ -322,6 +368,18 @@ impl Search {
         }
         best
     }
+}
+
+/// The least of costs, whose number is a multiple of [`LANES`].
+#[inline(always)]
+fn least_of(costs: &[f64]) -> f64 {
+    let mut least = [f64::INFINITY; LANES];
+    for costs in costs.as_chunks::<LANES>().0 {
+        for lane in 0..LANES {
+            least[lane] = if costs[lane] < least[lane] { costs[lane] } else { least[lane] };
+        }
+    }
+    least.into_iter().fold(f64::INFINITY, f64::min)
 }
 
 /// Per bin, a cost that no plane in it is below and one that none is above; infinite where there is none. `counts` are

@@ -3,13 +3,14 @@
 //! A node is a rope of pieces that are counted, searched and split by all threads; both children are built at the same
 //! time. Everything follows from the set of a node's fragments, so neither pieces nor threads leave a trace in the tree.
 
-use super::BuildError;
 use super::fragment::Fragment;
 use super::memory::{copied, stretch, with_room};
+use super::pace::Pace;
 use super::partition::Partition;
 use super::plan::{Plan, PlanNode};
-use super::recursion::{Builder, TOP_SHARE};
+use super::recursion::Builder;
 use super::search::Scratch;
+use super::{BuildError, BuildOptions};
 use crate::geometry::Aabb;
 use rayon::prelude::*;
 
@@ -30,8 +31,6 @@ const PIECE: usize = 32_768;
 pub(super) struct Task {
     pieces: Vec<Vec<Fragment>>,
     pub(super) voxel: Aabb,
-    /// Share of the whole build, for progress.
-    pub(super) weight: f64,
 }
 
 impl Task {
@@ -53,6 +52,22 @@ impl Task {
         pieces.for_each(|piece| all.extend_from_slice(&piece));
         Ok(all)
     }
+}
+
+/// Subtrees of fewer triangles are built by one thread, in a scene of so many.
+pub(super) fn sequential_below(options: &BuildOptions, triangles: usize) -> usize {
+    if options.collapses_while_building() && triangles >= LEAST_SAMPLED {
+        (triangles / SUBTREES).clamp(LEAST_SUBTREE, SEQUENTIAL_BELOW)
+    } else {
+        SEQUENTIAL_BELOW
+    }
+}
+
+/// Where the top of the tree ends, and how it is paced.
+struct Limits {
+    sequential_below: usize,
+    /// Share of the whole build that a triangle takes at one level.
+    share: f64,
 }
 
 /// The top of the tree; what hangs below is built once the top stands.
@@ -109,11 +124,11 @@ impl Top {
 }
 
 impl Builder<'_> {
-    /// The tree over `triangles`, whose bounds are `voxel`; moves the progress by `weight`. Collapsed already if
+    /// The tree over `triangles`, whose bounds are `voxel`. Collapsed already if
     /// [`BuildOptions::collapses_while_building`].
     ///
     /// [`BuildOptions::collapses_while_building`]: super::BuildOptions::collapses_while_building
-    pub(crate) fn build(&self, triangles: &[u32], voxel: Aabb, weight: f64) -> Result<Plan, BuildError> {
+    pub(crate) fn build(&self, triangles: &[u32], voxel: Aabb, pace: &Pace) -> Result<Plan, BuildError> {
         let ids = size_of_val(triangles);
         self.memory.take(ids + triangles.len() * size_of::<Fragment>())?;
         let pieces = triangles
@@ -125,18 +140,16 @@ impl Builder<'_> {
                 Ok(piece)
             })
             .collect::<Result<_, BuildError>>()?;
-        let below = (1.0 - TOP_SHARE) * weight;
         let mut tasks = Vec::new();
-        let sequential_below = if self.options.collapses_while_building() && triangles.len() >= LEAST_SAMPLED
-        {
-            (triangles.len() / SUBTREES).clamp(LEAST_SUBTREE, SEQUENTIAL_BELOW)
-        } else {
-            SEQUENTIAL_BELOW
+        self.progress.begin(pace.top);
+        let limits = Limits {
+            sequential_below: sequential_below(self.options, triangles.len()),
+            share: pace.top / (pace.levels * triangles.len() as f64).max(1.0),
         };
-        let root = Task { pieces, voxel, weight: below };
-        let top = self.fork(root, 0, sequential_below)?.numbered(&mut tasks);
-        self.progress.advance(weight - below);
-        let (mut subtrees, collapsed) = self.subtrees(tasks, &top, voxel.surface_area())?;
+        let top = self.fork(Task { pieces, voxel }, 0, &limits)?.numbered(&mut tasks);
+        self.progress.begin(pace.below);
+        let (mut subtrees, collapsed) = self.subtrees(tasks, &top, voxel.surface_area(), pace.below)?;
+        self.progress.begin(pace.join);
         self.drop_scratch();
         self.memory.give(ids);
         if subtrees.len() == 1 {
@@ -153,35 +166,45 @@ impl Builder<'_> {
             hoisted: with_room(total(|plan| plan.hoisted.len()))?,
             collapsed,
         };
-        self.append(&top, &mut subtrees, &mut plan)?;
+        let share = pace.join / plan.nodes.capacity().max(1) as f64;
+        self.append(&top, &mut subtrees, &mut plan, share)?;
         self.memory.give(parts);
         Ok(plan)
     }
 
     /// Appends a tree to `plan`, which has room; subtrees are freed as soon as they are copied.
-    fn append(&self, top: &Top, subtrees: &mut [Plan], plan: &mut Plan) -> Result<(), BuildError> {
+    /// `share` is what a node moves the progress by.
+    fn append(
+        &self,
+        top: &Top,
+        subtrees: &mut [Plan],
+        plan: &mut Plan,
+        share: f64,
+    ) -> Result<(), BuildError> {
         match top {
             Top::Subtree(number) => {
                 self.check()?;
-                plan.append(&std::mem::take(&mut subtrees[*number]));
+                let subtree = std::mem::take(&mut subtrees[*number]);
+                plan.append(&subtree);
+                self.progress.advance(share * subtree.nodes.len() as f64);
             }
             Top::Inner(node) => {
                 let at = plan.nodes.len();
                 plan.nodes.push(PlanNode::Inner { axis: node.axis, split: node.split, right: 0 });
                 plan.counts.extend(self.options.needs_counts().then_some(node.count));
-                self.append(&node.left, subtrees, plan)?;
+                self.append(&node.left, subtrees, plan, share)?;
                 plan.nodes[at] =
                     PlanNode::Inner { axis: node.axis, split: node.split, right: plan.nodes.len() as u32 };
-                self.append(&node.right, subtrees, plan)?;
+                self.append(&node.right, subtrees, plan, share)?;
             }
         }
         Ok(())
     }
 
-    fn fork(&self, task: Task, depth: u32, sequential_below: usize) -> Result<Forked, BuildError> {
+    fn fork(&self, task: Task, depth: u32, limits: &Limits) -> Result<Forked, BuildError> {
         let count = task.count();
         let is_leaf = count <= self.options.leaf_at_most as usize;
-        if count < sequential_below || depth >= PARALLEL_DEPTH || is_leaf {
+        if count < limits.sequential_below || depth >= PARALLEL_DEPTH || is_leaf {
             return Ok(Forked::Task(task));
         }
         self.check()?;
@@ -192,19 +215,15 @@ impl Builder<'_> {
         };
         self.give_scratch(scratch);
         let Some(split) = split else { return Ok(Forked::Task(task)) };
-        let Task { pieces, voxel, weight } = task;
+        let Task { pieces, voxel } = task;
         let exact = self.options.clipping.is_exact_for(count as u32);
         let (left, right) = self.split_pieces(pieces, &Partition { split, voxel, mesh: self.mesh, exact })?;
         let (left_voxel, right_voxel) = voxel.split(split.axis, split.position);
-        let mut left = Task { pieces: left, voxel: left_voxel, weight: 0.0 };
-        let mut right = Task { pieces: right, voxel: right_voxel, weight: 0.0 };
-        let (lefts, rights) = (left.count() as f64, right.count() as f64);
-        left.weight = weight * lefts / (lefts + rights).max(1.0);
-        right.weight = weight - left.weight;
-        let (left, right) = rayon::join(
-            || self.fork(left, depth + 1, sequential_below),
-            || self.fork(right, depth + 1, sequential_below),
-        );
+        let left = Task { pieces: left, voxel: left_voxel };
+        let right = Task { pieces: right, voxel: right_voxel };
+        self.progress.advance(limits.share * count as f64);
+        let (left, right) =
+            rayon::join(|| self.fork(left, depth + 1, limits), || self.fork(right, depth + 1, limits));
         let node = TopNode {
             axis: split.axis as u8,
             split: split.position,

@@ -6,6 +6,7 @@ mod fork;
 mod fragment;
 pub(crate) mod memory;
 mod options;
+mod pace;
 mod pairs;
 mod partition;
 mod plan;
@@ -18,7 +19,8 @@ mod search;
 mod subtrees;
 mod sweep;
 
-pub use options::{BuildError, BuildOptions, Clipping, Layout, Preset, SahConstants, TreeBudget};
+pub use options::{BuildError, BuildOptions, Clipping, Layout, Preset, SahConstants, Sweep, TreeBudget};
+pub(crate) use pace::Pace;
 pub(crate) use plan::{Plan, PlanNode};
 pub(crate) use price::Bound;
 pub use progress::Progress;

@@ -76,6 +76,23 @@ impl Clipping {
     }
 }
 
+/// Which planes of a node are looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Sweep {
+    /// All: the split is the exact sweep's, to the last bit.
+    Exact,
+    /// In nodes of at least that many triangles, those in the bins on both sides of the cheapest border between up to 1,024
+    /// bins an axis; all below. Nodes of up to 32 triangles are always exact. `docs/construction.md` has what it gains and loses.
+    BinnedFrom(u32),
+}
+
+impl Sweep {
+    pub(crate) fn is_binned_for(self, triangles: u32) -> bool {
+        matches!(self, Self::BinnedFrom(least) if triangles >= least)
+    }
+}
+
 /// How nodes and leaves are written. Hits are the same in all of them, to the last bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -127,6 +144,8 @@ pub struct BuildOptions {
     pub leaf_at_most: u32,
     /// How straddling triangles are bounded.
     pub clipping: Clipping,
+    /// Which planes are looked at.
+    pub sweep: Sweep,
     /// How the tree is written.
     pub layout: Layout,
     /// The paper's T-references; `None` keeps every triangle in the leaves.
@@ -155,6 +174,7 @@ impl From<Preset> for BuildOptions {
             sah: SahConstants { traversal: 15.0, intersection: 20.0, empty_bonus: 0.85 },
             leaf_at_most: 4,
             clipping: Clipping::ExactFrom(10_000),
+            sweep: Sweep::Exact,
             layout: Layout::TwoByte,
             hoisting: None,
             collapse: false,

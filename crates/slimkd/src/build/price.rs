@@ -8,6 +8,7 @@ use super::BuildError;
 use super::fork::{Task, Top};
 use super::plan::Plan;
 use super::recursion::{Builder, PriceOfBytes};
+use super::subtrees::WorkLeft;
 use crate::geometry::Aabb;
 use crate::reduce::{Bytes, Totals, search_weight};
 use rayon::prelude::*;
@@ -45,6 +46,10 @@ pub(super) struct Size {
 }
 
 impl Size {
+    pub(super) fn count(&self) -> usize {
+        self.count as usize
+    }
+
     /// Of all tasks.
     pub(super) fn of(tasks: &[Option<Task>], root_area: f64) -> Vec<Self> {
         let size = |task: &Task| {
@@ -69,14 +74,15 @@ pub(super) struct Sample<'a> {
 }
 
 impl Builder<'_> {
-    /// Builds a sample of the subtrees in full, larger ones more often.
+    /// Builds the chosen subtrees in full.
     pub(super) fn sample(
         &self,
         tasks: &mut [Option<Task>],
+        chosen: &[usize],
         sizes: &[Size],
         root_area: f64,
+        work: &WorkLeft,
     ) -> Result<Vec<Full>, BuildError> {
-        let chosen = chosen(sizes);
         let taken: Vec<_> =
             chosen.iter().filter_map(|&number| Some((number, tasks[number].take()?))).collect();
         taken
@@ -84,7 +90,7 @@ impl Builder<'_> {
             .with_max_len(1)
             .map(|(number, task)| {
                 let voxel = task.voxel;
-                let plan = self.subtree(task, None)?;
+                let plan = self.subtree(task, None, work.of_full(sizes[number].count()))?;
                 let (totals, plan) = Totals::of_subtree(
                     plan,
                     &voxel,
@@ -124,6 +130,7 @@ impl Builder<'_> {
         sample: &Sample<'_>,
         cost_of_a_byte: f64,
         bound: &Bound<'_>,
+        work: &WorkLeft,
     ) -> Result<f32, BuildError> {
         let Sample { full, sizes, top, root_area } = sample;
         let step = step(sizes);
@@ -135,6 +142,7 @@ impl Builder<'_> {
                 .with_max_len(1)
                 .map(|Full { number, plan, .. }| {
                     self.check()?;
+                    self.progress.advance(work.of_pruning(sizes[*number].count()));
                     let copy = plan.copied()?;
                     self.memory.take(copy.bytes())?;
                     let pruned = self.collapsed(copy, &sizes[*number].voxel, price)?;
@@ -199,7 +207,7 @@ fn step(sizes: &[Size]) -> f64 {
 }
 
 /// Numbers of the subtrees in the sample, ascending: systematic, with chances in proportion to their shares.
-fn chosen(sizes: &[Size]) -> Vec<usize> {
+pub(super) fn chosen(sizes: &[Size]) -> Vec<usize> {
     let step = step(sizes);
     if step == 0.0 {
         return (0..sizes.len()).collect();

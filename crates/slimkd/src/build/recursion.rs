@@ -22,9 +22,6 @@ use crate::reduce::{Bytes, HoistAlgorithm};
 use std::ops::Range;
 use std::sync::Mutex;
 
-/// Share of the progress bar for the top of the tree: an estimate, it only paces the bar.
-pub(super) const TOP_SHARE: f64 = 0.2;
-
 /// Builds standard trees over parts of one mesh; what all workers of a build share.
 pub(crate) struct Builder<'a> {
     pub(super) mesh: &'a TriangleMesh,
@@ -97,6 +94,10 @@ impl<'a> Builder<'a> {
     #[inline]
     pub(crate) fn check_at(&self, index: usize) -> Result<(), BuildError> {
         self.progress.check_at(index)
+    }
+
+    pub(crate) fn progress(&self) -> &Progress {
+        self.progress
     }
 
     pub(crate) fn mesh(&self) -> &TriangleMesh {

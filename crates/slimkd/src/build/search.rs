@@ -35,7 +35,7 @@ impl Scratch {
         let best = if count <= pairs::MOST {
             pairs::best_split(fragments, voxel, &sah)
         } else {
-            self.by_bins(fragments, voxel, &sah)?
+            self.by_bins(fragments, voxel, &sah, options.sweep.is_binned_for(count as u32))?
         };
         Ok(best.filter(|split| split.cost + margin < sah.leaf(count)))
     }
@@ -45,14 +45,21 @@ impl Scratch {
         fragments: &[Fragment],
         voxel: &Aabb,
         sah: &VoxelSah,
+        binned: bool,
     ) -> Result<Option<Split>, BuildError> {
         let count = fragments.len();
         let binner = self.search.begin(voxel, count);
         self.search.histogram.count(fragments, &binner);
-        self.search.bound(sah, count as i32);
-        self.candidates.clear();
-        self.search.gather(fragments, voxel, &mut self.candidates)?;
-        Ok(self.search.sweep(&mut self.candidates, sah, count as i32))
+        for binned in ways(binned) {
+            self.search.open(sah, count as i32, binned);
+            self.candidates.clear();
+            self.search.gather(fragments, voxel, &mut self.candidates)?;
+            let best = self.search.sweep(&mut self.candidates, sah, count as i32);
+            if best.is_some() {
+                return Ok(best);
+            }
+        }
+        Ok(None)
     }
 
     /// The same for a large node in pieces, by all threads.
@@ -82,22 +89,32 @@ impl Scratch {
         if let Some(histogram) = histogram {
             search.histogram.add(&histogram, binner.bins());
         }
-        search.bound(&sah, count as i32);
-        let gathered = pieces
-            .par_iter()
-            .try_fold(Candidates::default, |mut candidates, piece| {
-                progress.check()?;
-                search.gather(piece, voxel, &mut candidates)?;
-                Ok(candidates)
-            })
-            .try_reduce_with(|mut a, b| {
-                a.append(b)?;
-                Ok(a)
-            })
-            .transpose()?;
-        let best = search.sweep(&mut gathered.unwrap_or_default(), &sah, count as i32);
-        Ok(best.filter(|split| split.cost < sah.leaf(count)))
+        for binned in ways(options.sweep.is_binned_for(count as u32)) {
+            search.open(&sah, count as i32, binned);
+            let gathered = pieces
+                .par_iter()
+                .try_fold(Candidates::default, |mut candidates, piece| {
+                    progress.check()?;
+                    search.gather(piece, voxel, &mut candidates)?;
+                    Ok(candidates)
+                })
+                .try_reduce_with(|mut a, b| {
+                    a.append(b)?;
+                    Ok(a)
+                })
+                .transpose()?;
+            let best = search.sweep(&mut gathered.unwrap_or_default(), &sah, count as i32);
+            if best.is_some() {
+                return Ok(best.filter(|split| split.cost < sah.leaf(count)));
+            }
+        }
+        Ok(None)
     }
+}
+
+/// Whether to look beside the best border alone: where no plane is there, all are looked at.
+fn ways(binned: bool) -> impl Iterator<Item = bool> {
+    binned.then_some(true).into_iter().chain([false])
 }
 
 #[cfg(test)]
@@ -160,7 +177,10 @@ mod tests {
             let sah = VoxelSah::new(&constants, &voxel);
             let mut scratch = Scratch::default();
             let expected = exhaustive(&fragments, &voxel, &sah);
-            prop_assert_eq!(scratch.by_bins(&fragments, &voxel, &sah).unwrap(), expected);
+            prop_assert_eq!(scratch.by_bins(&fragments, &voxel, &sah, false).unwrap(), expected);
+            if let Some(split) = scratch.by_bins(&fragments, &voxel, &sah, true).unwrap() {
+                prop_assert!(expected.is_some_and(|best| best.cost <= split.cost));
+            }
             let few = &fragments[..fragments.len().min(pairs::MOST)];
             prop_assert_eq!(pairs::best_split(few, &voxel, &sah), exhaustive(few, &voxel, &sah));
         }

@@ -10,8 +10,8 @@
 
 use super::options::{CountedLeaves, Hoisting, OccupancyBase};
 use super::work::Work;
-use crate::build::BuildError;
 use crate::build::memory::filled;
+use crate::build::{BuildError, Builder};
 
 /// What the leaves under a node say about one triangle.
 #[derive(Clone, Copy, Debug)]
@@ -35,9 +35,17 @@ impl<'a> Picker<'a> {
     }
 
     /// `pick_triangle` for the subtree at `at`.
-    pub(crate) fn pick(&mut self, work: &Work, at: usize) -> Option<u32> {
+    pub(crate) fn pick(
+        &mut self,
+        work: &Work,
+        at: usize,
+        builder: &Builder<'_>,
+    ) -> Result<Option<u32>, BuildError> {
         let (mut leaves, mut leaf_area) = (0u32, 0.0f64);
-        for (leaf, first, count) in work.leaves(at) {
+        for (steps, (leaf, first, count)) in work.leaves(at).enumerate() {
+            if steps % (1 << 12) == (1 << 12) - 1 {
+                builder.check()?;
+            }
             let area = f64::from(work.areas[leaf]);
             if count > 0 || self.hoisting.leaves == CountedLeaves::All {
                 leaves += 1;
@@ -71,14 +79,14 @@ impl<'a> Picker<'a> {
         for tally in self.tallies.drain(..) {
             self.slots[tally.id as usize] = u32::MAX;
         }
-        best
+        Ok(best)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::build::{BuildOptions, Builder, Plan, PlanNode, Progress};
+    use crate::build::{BuildOptions, Pace, Plan, PlanNode, Progress};
     use crate::geometry::{Aabb, TriangleMesh};
     use std::collections::BTreeMap;
 
@@ -132,7 +140,7 @@ mod tests {
         let (ids, bounds) = mesh.valid_triangles();
         let (options, progress) = (BuildOptions::default(), Progress::new());
         let builder = Builder::new(&mesh, &options, &progress).unwrap();
-        let plan = builder.build(&ids, bounds, 1.0).unwrap();
+        let plan = builder.build(&ids, bounds, &Pace::of(&options, ids.len(), 1)).unwrap();
         let nodes = plan.nodes.len();
         let work = Work::new(plan, &bounds, &builder).unwrap();
         let mut found = 0;
@@ -140,7 +148,7 @@ mod tests {
             let hoisting = Hoisting::new(occupancy, frequency);
             let mut picker = Picker::new(&hoisting, mesh.len()).unwrap();
             for at in 0..nodes {
-                let picked = picker.pick(&work, at);
+                let picked = picker.pick(&work, at, &builder).unwrap();
                 let expected = naive_pick(&work, at, &hoisting);
                 assert_eq!(picked, expected, "node {at}, thresholds {occupancy}, {frequency}");
                 found += usize::from(picked.is_some());
@@ -167,7 +175,7 @@ mod tests {
         let work = Work::new(plan, &Aabb { min: [0.0; 3], max: [1.0; 3] }, &builder).unwrap();
         let pick = |occupancy, frequency| {
             let hoisting = Hoisting::new(occupancy, frequency);
-            Picker::new(&hoisting, 8).unwrap().pick(&work, 0)
+            Picker::new(&hoisting, 8).unwrap().pick(&work, 0, &builder).unwrap()
         };
         assert_eq!(pick(0.999, 0.999), Some(7));
         assert_eq!(pick(1.0, 0.0), None, "thresholds are strict");

@@ -18,20 +18,21 @@ pub(crate) use collapse::{Bytes, Totals, collapse_subtree};
 pub(crate) use fit::{fit, search_weight};
 pub use options::{CountedLeaves, HoistAlgorithm, Hoisting, OccupancyBase, WhenLeafRemains};
 
-/// Hoists where the options ask for it.
+/// Hoists where the options ask for it; moves the progress by `share`.
 pub(crate) fn hoist(
     mut plan: Plan,
     voxel: Aabb,
     builder: &Builder<'_>,
     options: &BuildOptions,
+    share: f64,
 ) -> Result<Plan, BuildError> {
     if let Some(hoisting) = &options.hoisting {
         let beside = 24 * plan.nodes.len() + 8 * builder.mesh().len(); // what stripping keeps beside the plan
         builder.memory.take(beside)?;
         plan = match hoisting.algorithm {
-            HoistAlgorithm::Strip => strip::hoist(plan, voxel, hoisting, builder)?,
+            HoistAlgorithm::Strip => strip::hoist(plan, voxel, hoisting, builder, share)?,
             HoistAlgorithm::Predict => plan, // done while building
-            HoistAlgorithm::Rebuild => rebuild::hoist(plan, voxel, hoisting, builder)?,
+            HoistAlgorithm::Rebuild => rebuild::hoist(plan, voxel, hoisting, builder, share)?,
         };
         builder.memory.give(beside);
     }

@@ -26,20 +26,24 @@ pub(crate) fn hoist(
     voxel: Aabb,
     hoisting: &Hoisting,
     builder: &Builder<'_>,
+    share: f64,
 ) -> Result<Plan, BuildError> {
-    let triangles = plan.references.iter().max().map_or(0, |&id| id as usize + 1);
+    let triangles = builder.mesh().len();
+    // The new tree has about as many nodes as the old one.
+    let each = share / plan.nodes.len().max(1) as f64;
     let mut picker = Picker::new(hoisting, triangles)?;
     let mut out = Plan::default();
     let mut pending =
         vec![Pending { work: Rc::new(Work::new(plan, &voxel, builder)?), at: 0, voxel, parent: None }];
     while let Some(Pending { mut work, mut at, voxel, parent }) = pending.pop() {
         builder.check()?;
+        builder.progress().advance(each);
         let here = out.nodes.len();
         if let Some(PlanNode::Inner { right, .. }) = parent.map(|parent| &mut out.nodes[parent]) {
             *right = here as u32;
         }
         let is_inner = matches!(work.plan.nodes[at], PlanNode::Inner { .. });
-        if let Some(picked) = is_inner.then(|| picker.pick(&work, at)).flatten() {
+        if let Some(picked) = is_inner.then(|| picker.pick(&work, at, builder)).transpose()?.flatten() {
             let all = work.distinct(at);
             let rest: Vec<u32> = all.iter().copied().filter(|&id| id != picked).collect();
             let rebuilt = builder.rebuild(&rest, voxel)?;

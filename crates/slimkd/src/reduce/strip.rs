@@ -12,14 +12,19 @@ use crate::build::memory::{filled, push};
 use crate::build::{BuildError, Builder, Plan, PlanNode};
 use crate::geometry::Aabb;
 
+/// Nodes between two looks at whether the build was cancelled, in loops that do not move its progress.
+const STRIDE: usize = 1 << 14;
+
 /// Hoists at most one triangle a node, top-down.
 pub(crate) fn hoist(
     mut plan: Plan,
     voxel: Aabb,
     hoisting: &Hoisting,
     builder: &Builder<'_>,
+    share: f64,
 ) -> Result<Plan, BuildError> {
-    let triangles = plan.references.iter().max().map_or(0, |&id| id as usize + 1);
+    let triangles = builder.mesh().len();
+    let (each, mut moved) = (share / plan.nodes.len().max(1) as f64, 0);
     let mut pass = Pass {
         counts: std::mem::take(&mut plan.counts),
         most: most_leaves_of_one(&plan, triangles, builder)?,
@@ -28,7 +33,7 @@ pub(crate) fn hoist(
         marks: Vec::new(),
         leaf_at_most: builder.options().leaf_at_most,
     };
-    pass.count_leaves(0);
+    pass.count_leaves(0, builder)?;
     let mut picker = Picker::new(hoisting, triangles)?;
     let mut at = 0;
     for steps in 0.. {
@@ -37,11 +42,13 @@ pub(crate) fn hoist(
         }
         if steps % 64 == 0 {
             builder.check()?;
+            builder.progress().advance(each * (at - moved) as f64);
+            moved = at;
         }
         match pass.work.plan.nodes[at] {
             PlanNode::Leaf { .. } => at = pass.work.ends[at] as usize,
             PlanNode::Inner { .. } => {
-                pass.visit(at, hoisting, &mut picker)?;
+                pass.visit(at, hoisting, &mut picker, builder)?;
                 at += 1;
             }
         }
@@ -54,7 +61,10 @@ pub(crate) fn hoist(
 /// that rules most large subtrees out.
 fn most_leaves_of_one(plan: &Plan, triangles: usize, builder: &Builder<'_>) -> Result<Vec<u32>, BuildError> {
     let mut per_triangle = filled(0u32, triangles)?;
-    plan.references.iter().for_each(|&id| per_triangle[id as usize] += 1);
+    for (at, &id) in plan.references.iter().enumerate() {
+        builder.check_at(at)?;
+        per_triangle[id as usize] += 1;
+    }
     let mut most = filled(0, plan.nodes.len())?;
     for at in (0..plan.nodes.len()).rev() {
         builder.check_at(at)?;
@@ -83,11 +93,17 @@ struct Pass {
 }
 
 impl Pass {
-    fn visit(&mut self, at: usize, hoisting: &Hoisting, picker: &mut Picker<'_>) -> Result<(), BuildError> {
+    fn visit(
+        &mut self,
+        at: usize,
+        hoisting: &Hoisting,
+        picker: &mut Picker<'_>,
+        builder: &Builder<'_>,
+    ) -> Result<(), BuildError> {
         if f64::from(self.most[at]) <= f64::from(hoisting.frequency) * self.least_denominator(at, hoisting) {
             return Ok(());
         }
-        let Some(picked) = picker.pick(&self.work, at) else { return Ok(()) };
+        let Some(picked) = picker.pick(&self.work, at, builder)? else { return Ok(()) };
         if self.counts[at] - 1 <= self.leaf_at_most {
             match hoisting.when_leaf_remains {
                 WhenLeafRemains::MakeLeaf => {
@@ -99,7 +115,7 @@ impl Pass {
             return Ok(());
         }
         push(&mut self.work.plan.hoisted, (at as u32, picked))?;
-        self.strip(at, picked)
+        self.strip(at, picked, builder)
     }
 
     /// The fewest leaves that the frequency measure may divide by.
@@ -111,8 +127,8 @@ impl Pass {
     }
 
     /// Takes `picked` out of the subtree at `at` and ends what the leaf rule ends now.
-    fn strip(&mut self, at: usize, picked: u32) -> Result<(), BuildError> {
-        self.mark(at, picked);
+    fn strip(&mut self, at: usize, picked: u32, builder: &Builder<'_>) -> Result<(), BuildError> {
+        self.mark(at, picked, builder)?;
         let mut cut = false;
         for i in 0..self.marks.len() {
             let node = self.marks[i];
@@ -134,13 +150,13 @@ impl Pass {
             }
         }
         if cut {
-            self.count_leaves(at);
+            self.count_leaves(at, builder)?;
         }
         Ok(())
     }
 
     /// Removes `picked` from the leaves under `at`; `marks` becomes the nodes that held it, ascending.
-    fn mark(&mut self, at: usize, picked: u32) {
+    fn mark(&mut self, at: usize, picked: u32, builder: &Builder<'_>) -> Result<(), BuildError> {
         self.marks.clear();
         let end = self.work.ends[at] as usize;
         // The path from `at` down to the node at hand, and how much of it is marked already.
@@ -148,6 +164,9 @@ impl Pass {
         let mut marked = 0;
         let mut node = at;
         while node < end {
+            if node.is_multiple_of(STRIDE) {
+                builder.check()?;
+            }
             while path.last().is_some_and(|&parent| self.work.ends[parent] as usize <= node) {
                 path.pop();
             }
@@ -167,16 +186,21 @@ impl Pass {
                 }
             }
         }
+        Ok(())
     }
 
     /// Recounts the leaves of the subtree at `at`.
-    fn count_leaves(&mut self, at: usize) {
+    fn count_leaves(&mut self, at: usize, builder: &Builder<'_>) -> Result<(), BuildError> {
         // From the back, so that children come first; what lies under a cut is counted in vain.
         for node in (at..self.work.ends[at] as usize).rev() {
+            if node.is_multiple_of(STRIDE) {
+                builder.check()?;
+            }
             self.leaves[node] = match self.work.plan.nodes[node] {
                 PlanNode::Inner { right, .. } => self.leaves[node + 1] + self.leaves[right as usize],
                 PlanNode::Leaf { .. } => 1,
             };
         }
+        Ok(())
     }
 }

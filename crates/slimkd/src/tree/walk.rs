@@ -3,6 +3,7 @@
 use super::KdTree;
 use super::nodes::{Inner, Nodes, Step, with_nodes};
 use super::statistics::{LeafReferences, NodeCounts, TreeStatistics};
+use crate::build::{BuildError, Progress};
 use crate::geometry::Aabb;
 
 /// A node that a walk visits.
@@ -29,10 +30,20 @@ fn for_each<N: Nodes>(nodes: N, root: Aabb, mut visit: impl FnMut(&Visit, Step<N
 }
 
 /// Depth of the deepest leaf.
-pub(super) fn max_depth(tree: &KdTree) -> u32 {
-    let mut deepest = 0;
-    with_nodes!(tree, nodes => for_each(nodes, Aabb::EMPTY, |at, _| deepest = deepest.max(at.depth)));
-    deepest
+pub(super) fn max_depth(tree: &KdTree, progress: &Progress) -> Result<u32, BuildError> {
+    with_nodes!(tree, nodes => {
+        let (mut deepest, mut visited) = (0, 0);
+        let mut pending = vec![(0, 0)];
+        while let Some((address, depth)) = pending.pop() {
+            progress.check_at(visited)?;
+            visited += 1;
+            deepest = deepest.max(depth);
+            if let Step::Inner(Inner { left, stride, .. }) = nodes.node(address) {
+                pending.extend([(left + stride, depth + 1), (left, depth + 1)]);
+            }
+        }
+        Ok(deepest)
+    })
 }
 
 /// How many T-references there are.

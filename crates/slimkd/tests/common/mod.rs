@@ -1,7 +1,7 @@
 //! Meshes and rays that several tests use.
 #![allow(dead_code, unreachable_pub)] // each test file uses its own part
 
-use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Layout, Preset, Ray, TriangleMesh};
+use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Layout, Preset, Ray, Sweep, TriangleMesh};
 
 /// Every preset, and each option that changes what a tree looks like.
 pub fn variants() -> Vec<(String, BuildOptions)> {
@@ -29,6 +29,11 @@ pub fn variants() -> Vec<(String, BuildOptions)> {
         let mut slim = BuildOptions::from(Preset::Slim);
         slim.layout = layout;
         out.push((format!("slim, {layout:?}"), slim));
+    }
+    for (preset, least) in [(Preset::Standard, 0), (Preset::Slim, 0), (Preset::Slim, 300)] {
+        let mut binned = BuildOptions::from(preset);
+        binned.sweep = Sweep::BinnedFrom(least);
+        out.push((format!("{}, binned from {least}", preset.name()), binned));
     }
     let mut dense = BuildOptions::from(Preset::Standard);
     dense.layout = Layout::Dense;

@@ -1,6 +1,6 @@
 //! Build options as bytes: the preset's name, then 4-byte words. The thread count leaves no trace.
 
-use crate::build::{BuildOptions, Clipping, Layout, Preset};
+use crate::build::{BuildOptions, Clipping, Layout, Preset, Sweep};
 use crate::reduce::{CountedLeaves, HoistAlgorithm, Hoisting, OccupancyBase, WhenLeafRemains};
 
 /// Longest block, bytes: a name and 15 words are far below.
@@ -42,6 +42,10 @@ pub(super) fn put(options: &BuildOptions) -> Vec<u8> {
             (hoisting.when_leaf_remains == WhenLeafRemains::DropPick).into(),
         ]);
     }
+    // Written only where it is not the usual one.
+    if let Sweep::BinnedFrom(least) = options.sweep {
+        words.push(least);
+    }
     words.iter().for_each(|word| out.extend_from_slice(&word.to_le_bytes()));
     out
 }
@@ -69,6 +73,14 @@ pub(super) fn get(block: &[u8]) -> Option<BuildOptions> {
         ],
         rest,
     ) = words.split_first_chunk::<9>()?;
+    // What is left behind the usual words.
+    let usual = if hoists == 0 { 0 } else { 6 };
+    let (rest, sweep) = rest.split_at_checked(usual)?;
+    options.sweep = match sweep {
+        [] => Sweep::Exact,
+        &[least] => Sweep::BinnedFrom(least),
+        _ => return None,
+    };
     let choose = |word: u32| (word <= 1).then_some(word == 1);
     options.sah.traversal = f32::from_bits(traversal);
     options.sah.intersection = f32::from_bits(intersection);
