@@ -18,7 +18,7 @@ const BELOW_CLIPPED: f64 = 145.0;
 /// Joining subtrees to one plan.
 const JOIN: f64 = 40.0;
 /// Stripping a finished tree of its T-references; building subtrees anew.
-const STRIP: f64 = 300.0;
+const STRIP: f64 = 480.0;
 const REBUILD: f64 = 3000.0;
 /// Collapsing a whole tree, or pruning it to a number of bytes.
 const PRUNE: f64 = 150.0;

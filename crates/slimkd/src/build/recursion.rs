@@ -22,6 +22,9 @@ use crate::reduce::{Bytes, HoistAlgorithm};
 use std::ops::Range;
 use std::sync::Mutex;
 
+/// Nodes between two looks at whether the build was cancelled: a millisecond or less.
+const STRIDE: usize = 256;
+
 /// Builds standard trees over parts of one mesh; what all workers of a build share.
 pub(crate) struct Builder<'a> {
     pub(super) mesh: &'a TriangleMesh,
@@ -160,6 +163,9 @@ impl<'a> Builder<'a> {
         let mut pending = vec![Pending { range: 0..fragments.len(), voxel, weight, parent: None }];
         while let Some(Pending { mut range, voxel, weight, parent }) = pending.pop() {
             let at = plan.nodes.len();
+            if at.is_multiple_of(STRIDE) {
+                self.progress.check()?;
+            }
             if needs_counts {
                 push(&mut plan.counts, range.len() as u32)?;
             }
@@ -180,7 +186,6 @@ impl<'a> Builder<'a> {
                 done += weight;
                 if done > 1e-3 {
                     self.progress.advance(done);
-                    self.progress.check()?;
                     done = 0.0;
                 }
                 continue;
@@ -232,4 +237,21 @@ fn emit_leaf(plan: &mut Plan, fragments: &[Fragment], hoisted: Option<u32>) -> R
     plan.references[first..].sort_unstable();
     let leaf = PlanNode::Leaf { first: first as u32, count: (plan.references.len() - first) as u32 };
     push(&mut plan.nodes, leaf)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_subtree_of_any_size_is_cancelled() {
+        let mesh =
+            TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).unwrap();
+        let (ids, bounds) = mesh.valid_triangles();
+        let (options, progress) = (BuildOptions::default(), Progress::new());
+        let builder = Builder::new(&mesh, &options, &progress).unwrap();
+        assert!(builder.rebuild(&ids, bounds).is_ok());
+        progress.cancel();
+        assert!(matches!(builder.rebuild(&ids, bounds), Err(BuildError::Cancelled)));
+    }
 }
