@@ -18,7 +18,7 @@ pub use file::{FileError, OpenTree};
 pub use kdtree::KdTree;
 pub(crate) use lanes::{LaneNodes, LaneStep};
 pub use memory::MemoryReport;
-pub(crate) use nodes::{Ids, Inner, Nodes, Step, View, with_nodes};
+pub(crate) use nodes::{Ids, Inner, Nodes, PIECE, SPILL, Step, View, with_nodes};
 pub use statistics::{LeafReferences, NodeCounts, TreeStatistics};
 
 /// A tree's bytes in its layout.

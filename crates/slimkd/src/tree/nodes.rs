@@ -70,9 +70,9 @@ pub(crate) trait Nodes: Copy {
 }
 
 /// Ids that are taken off a leaf at once, at most; nearly every leaf is one piece.
-pub(super) const PIECE: usize = 64;
+pub(crate) const PIECE: usize = 64;
 /// Ids that a layout may write behind a piece.
-pub(super) const SPILL: usize = 8;
+pub(crate) const SPILL: usize = 8;
 
 /// Room for a piece. Costs nothing to make.
 pub(crate) struct Ids(pub(super) [MaybeUninit<u32>; PIECE + SPILL]);

@@ -5,12 +5,14 @@ use super::answers::Answers;
 use super::slots::{SLOTS, Slots};
 use super::triangles::test;
 use crate::traverse::arch::Simd;
-use crate::tree::LaneNodes;
+use crate::tree::{LaneNodes, PIECE, SPILL};
 
 /// Room for leaves: those that wait, and a step's of all groups; compressing writes 16 more.
 const LEAF_ROOM: usize = LEAVES_AT + SLOTS + 16;
-/// Room for pairs: fewer than 16 that wait, a step's T-references of all groups, and 16 more.
-const PAIR_ROOM: usize = 16 + SLOTS + 16;
+/// Pairs that are enough to read no more leaves before some are tested.
+const MANY: usize = 128;
+/// Room for pairs: that, what is taken off a leaf at once, and a vector.
+const PAIR_ROOM: usize = MANY + PIECE + SPILL + 16;
 
 /// The work in waiting.
 pub(super) struct Queue {
@@ -26,15 +28,8 @@ pub(super) struct Queue {
 impl Queue {
     #[inline(always)]
     pub(super) fn new() -> Self {
-        let none = [0; LEAF_ROOM];
-        Self {
-            leaves: 0,
-            slot: none,
-            address: none,
-            pairs: 0,
-            pair_slot: [0; PAIR_ROOM],
-            pair_triangle: [0; PAIR_ROOM],
-        }
+        let (leaf, pair) = ([0; LEAF_ROOM], [0; PAIR_ROOM]);
+        Self { leaves: 0, slot: leaf, address: leaf, pairs: 0, pair_slot: pair, pair_triangle: pair }
     }
 
     #[inline(always)]
@@ -51,7 +46,7 @@ impl Queue {
         self.pairs += s.compress(which, triangle, &mut self.pair_triangle[at..]);
     }
 
-    /// Reads leaves and tests pairs as long as 16 of them wait; with `all`, until nothing waits.
+    /// When enough waits, reads all leaves and tests pairs as long as there are 16 of them; with `all`, until nothing waits.
     ///
     /// One loop with one place for each kind of work, because all of it is inlined: called where it is wanted, it made
     /// the crate compile six times as long.
@@ -63,37 +58,60 @@ impl Queue {
         slots: &mut Slots,
         all: bool,
     ) {
-        let least = if all { 1 } else { LEAVES_AT };
-        let mut slot = s.u32s(0);
-        let mut reading = None;
+        if self.leaves < LEAVES_AT && self.pairs < 16 && !all {
+            return;
+        }
+        let mut read = 0;
+        let mut reading: Option<N::Leaf> = None;
         loop {
-            if self.pairs < 16 {
-                if let Some(leaves) = &mut reading {
-                    let (has, triangle) = nodes.next(s, leaves);
-                    if s.any(has) {
-                        self.push_pairs(s, has, slot, triangle);
-                    } else {
-                        reading = None;
-                    }
-                    continue;
+            while self.pairs < MANY {
+                let mut leaf = match reading {
+                    Some(leaf) => leaf,
+                    None if read < self.leaves => nodes.leaf(self.address[read]),
+                    None => break,
+                };
+                let to = &mut self.pair_triangle[self.pairs..];
+                let Some(to) = to.first_chunk_mut() else { break };
+                let taken = nodes.write(&mut leaf, to);
+                let slot = s.u32s(self.slot[read]);
+                let mut at = 0;
+                while at < taken {
+                    s.store_u32(slot, &mut self.pair_slot[self.pairs + at..]);
+                    at += 16;
                 }
-                if self.leaves >= least {
-                    let count = self.leaves.min(16);
-                    self.leaves -= count;
-                    slot = s.load_u32(&self.slot[self.leaves..]);
-                    let valid = s.mask((1 << count) - 1);
-                    reading = Some(nodes.open(s, valid, &self.address[self.leaves..]));
-                    continue;
-                }
-                if !all || self.pairs == 0 {
-                    return;
+                self.pairs += taken;
+                if N::is_taken(&leaf) {
+                    reading = None;
+                    read += 1;
+                } else {
+                    reading = Some(leaf);
                 }
             }
-            let count = self.pairs.min(16);
-            self.pairs -= count;
-            let slot = s.load_u32(&self.pair_slot[self.pairs..]);
-            let triangle = s.load_u32(&self.pair_triangle[self.pairs..]);
-            test::<S, N, A>(s, nodes, slots, slot, triangle, count);
+            let rest = all && read == self.leaves;
+            let mut tested = 0;
+            loop {
+                let count = (self.pairs - tested).min(16);
+                if count < 16 && !(rest && count > 0) {
+                    break;
+                }
+                let valid = s.mask((1 << count) - 1);
+                let slot = s.load_u32(&self.pair_slot[tested..]);
+                let triangle = s.load_u32(&self.pair_triangle[tested..]);
+                // What follows the pairs may be anything.
+                let triangle = s.select_u32(valid, triangle, s.u32s(0));
+                test::<S, N, A>(s, nodes, slots, slot, triangle, count);
+                tested += count;
+            }
+            // Those that came first go first.
+            let slot = s.load_u32(&self.pair_slot[tested..]);
+            let triangle = s.load_u32(&self.pair_triangle[tested..]);
+            s.store_u32(slot, &mut self.pair_slot);
+            s.store_u32(triangle, &mut self.pair_triangle);
+            self.pairs -= tested;
+            if read == self.leaves {
+                self.leaves = 0;
+                return;
+            }
         }
     }
 }

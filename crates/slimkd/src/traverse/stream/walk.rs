@@ -92,7 +92,7 @@ pub(super) fn step<S: Simd, N: LaneNodes>(
         }
     }
 
-    let LaneStep { axis, split, left, stride, .. } = node;
+    let LaneStep { axis, split, left, right, .. } = node;
     let (is_y, is_z) = (s.eq_u32(axis, s.u32s(1)), s.eq_u32(axis, s.u32s(2)));
     let origin = along(s, is_y, is_z, &slots.origin, at);
     let inverse = along(s, is_y, is_z, &slots.inverse, at);
@@ -103,7 +103,6 @@ pub(super) fn step<S: Simd, N: LaneNodes>(
     let far_only = s.lt(last, enter) & !near_only;
     let both = inner & !near_only & !far_only;
     let down = s.lt(inverse, s.f32s(0.0));
-    let right = left + stride;
     let (near, far) = (s.select_u32(down, right, left), s.select_u32(down, left, right));
     let top_at = &slots.top.0[at..];
     // SAFETY: a ray has at most as many entries as the tree is deep, and there are guards below and above.

@@ -9,7 +9,6 @@
 //! is added to it; 30 by the gap as u16; 31 by the gap as u32. The count ends the leaf.
 
 use super::word::LEAF;
-use crate::traverse::Simd;
 
 /// Gaps from here on need more than the code's 5 bits.
 const GAP_PLUS_BYTE: u32 = 29;
@@ -60,12 +59,10 @@ impl LeafCode {
         (1 << self.count_bits) - 1
     }
 
-    /// What headers say, by lanes: count and first id, and which counts follow instead.
+    /// The count's bits in a header's word.
     #[inline(always)]
-    pub(super) fn lanes<S: Simd>(self, s: S, word: S::U) -> (S::U, S::U, S::M) {
-        let count = (word >> 2) & s.u32s(self.many());
-        let first = (word >> (2 + self.count_bits)) & s.u32s(self.id_mask);
-        (count, first, s.eq_u32(count, s.u32s(self.many())))
+    pub(super) fn count_mask(self) -> u32 {
+        self.many() << 2
     }
 
     /// Reads the header that starts with `word` at `address`; `next` reads a u32 at an address.
@@ -117,22 +114,6 @@ fn write_code(out: &mut Vec<u8>, gap: u32, run: usize) {
         GAP_4BYTE => out.extend_from_slice(&gap.to_le_bytes()),
         _ => (),
     }
-}
-
-/// As [`read_code`], by lanes: `lower` and `upper` are the 8 bytes.
-#[inline(always)]
-pub(super) fn read_codes<S: Simd>(s: S, lower: S::U, upper: S::U) -> (S::U, S::U, S::U) {
-    let run = (lower & s.u32s(7)) + s.u32s(1);
-    let field = (lower >> 3) & s.u32s(31);
-    let tail = (lower >> 8) | (upper << 24);
-    let plus_byte = s.eq_u32(field, s.u32s(GAP_PLUS_BYTE));
-    let two = s.eq_u32(field, s.u32s(GAP_2BYTE));
-    let four = s.eq_u32(field, s.u32s(GAP_4BYTE));
-    let gap = s.select_u32(four, tail, field);
-    let gap = s.select_u32(two, tail & s.u32s(0xffff), gap);
-    let gap = s.select_u32(plus_byte, s.u32s(GAP_PLUS_BYTE) + (tail & s.u32s(0xff)), gap);
-    let size = s.select_u32(two, s.u32s(3), s.select_u32(four, s.u32s(5), s.u32s(1)));
-    (gap, run, s.select_u32(plus_byte, s.u32s(2), size))
 }
 
 /// One code in the 8 bytes from its start: the gap, the run, and the bytes it takes.

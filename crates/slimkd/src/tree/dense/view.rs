@@ -22,8 +22,26 @@ impl<'a> DenseView<'a> {
         Self { bytes: &tree.bytes, code: tree.code, planes: &tree.planes, mesh }
     }
 
+    /// Takes ids off a leaf until [`PIECE`] are taken: how many. Calls `run` with a place and the id to write there and seven
+    /// more behind it: a whole run at once, whatever its length; the next ones write over what is too much.
     #[inline(always)]
-    fn word(&self, address: u32) -> u32 {
+    pub(super) fn spell(self, leaf: &mut Leaf, mut write: impl FnMut(usize, u32)) -> usize {
+        let Leaf { mut codes, mut left, mut next, mut run } = *leaf;
+        let mut filled = 0;
+        while left > 0 && filled < PIECE {
+            write(filled, next);
+            (filled, next, left) = (filled + run as usize, next + run, left - run);
+            if left > 0 {
+                let (gap, length, size) = read_code(self.long(codes));
+                (next, run, codes) = (next + gap, length, codes + size);
+            }
+        }
+        *leaf = Leaf { codes, left, next, run };
+        filled
+    }
+
+    #[inline(always)]
+    pub(super) fn word(&self, address: u32) -> u32 {
         self.long(address) as u32
     }
 
@@ -61,20 +79,11 @@ impl Nodes for DenseView<'_> {
     where
         Self: 'b,
     {
-        let Leaf { mut codes, mut left, mut next, mut run } = *leaf;
-        let mut filled = 0;
-        while left > 0 && filled < PIECE {
-            // A whole run at once, whatever its length: the next ones write over what is too much.
+        let filled = self.spell(leaf, |at, first| {
             for k in 0..SPILL {
-                buffer.0[filled + k].write(next + k as u32);
+                buffer.0[at + k].write(first + k as u32);
             }
-            (filled, next, left) = (filled + run as usize, next + run, left - run);
-            if left > 0 {
-                let (gap, length, size) = read_code(self.long(codes));
-                (next, run, codes) = (next + gap, length, codes + size);
-            }
-        }
-        *leaf = Leaf { codes, left, next, run };
+        });
         // SAFETY: all before `filled` were written.
         unsafe { buffer.written(filled) }
     }

@@ -1,26 +1,20 @@
 //! A plain tree read by 16 lanes.
 
 use super::layout::Packed;
-use super::view::PlainView;
+use super::view::{Leaf, PlainView};
 use crate::traverse::Simd;
 use crate::tree::lanes::{LaneNodes, LaneStep};
+use crate::tree::nodes::{PIECE, SPILL};
+use crate::tree::statistics::LeafMode;
 
-/// Leaves in reading.
-pub(crate) struct Leaves<S: Simd> {
-    is_2byte: S::M,
-    /// Position of the next id in its array.
-    at: S::U,
-    left: S::U,
-    upper: S::U,
-}
+/// Ids that are taken off a leaf at once.
+const VECTOR: usize = 16;
 
 impl LaneNodes for PlainView<'_> {
     const T_REFERENCES: bool = true;
-    type Leaves<S: Simd> = Leaves<S>;
 
     fn fit_lanes(self) -> bool {
-        // A 2-byte index is read as half of a pair.
-        self.indices_2byte.len() != 1 && self.mesh.fits_lanes()
+        self.mesh.fits_lanes()
     }
 
     #[inline(always)]
@@ -32,14 +26,14 @@ impl LaneNodes for PlainView<'_> {
     #[inline(always)]
     fn decode<S: Simd>(self, s: S, _: S::U, (lower, upper): (S::U, S::U)) -> LaneStep<S> {
         let leaf = Packed::lanes_leaf(s, lower);
-        let (_, count, _) = Packed::lanes_mode(s, upper);
+        let left = lower >> 3;
         LaneStep {
             leaf,
-            filled: s.lt_u32(s.u32s(0), count),
+            filled: s.lt_u32(s.u32s(0), upper),
             axis: lower & s.u32s(0b11),
             split: s.cast_f32(upper),
-            left: lower >> 3,
-            stride: s.u32s(1),
+            left,
+            right: left + s.u32s(1),
         }
     }
 
@@ -57,42 +51,52 @@ impl LaneNodes for PlainView<'_> {
     }
 
     #[inline(always)]
-    fn open<S: Simd>(self, s: S, valid: S::M, addresses: &[u32]) -> Leaves<S> {
-        let (lower, upper) = self.fetch(s, addresses);
-        let (is_2byte, count, shared) = Packed::lanes_mode(s, upper);
-        let left = s.select_u32(valid, count, s.u32s(0));
-        Leaves { is_2byte, at: lower >> 3, left, upper: shared }
+    fn leaf(self, address: u32) -> Leaf {
+        Leaf::new(self.packed(address))
     }
 
     #[inline(always)]
-    fn next<S: Simd>(self, s: S, leaves: &mut Leaves<S>) -> (S::M, S::U) {
-        let Leaves { is_2byte, at, left, upper } = *leaves;
-        let (none, one) = (s.u32s(0), s.u32s(1));
-        let has = s.lt_u32(none, left);
-        let (narrow, wide) = (has & is_2byte, has & !is_2byte);
-        let mut id = none;
-        if s.any(wide) {
-            let at = s.select_u32(wide, at, none);
-            // SAFETY: a proven tree's leaf ranges lie inside the array, which is not empty if any leaf uses it.
-            id = s.select_u32(wide, unsafe { s.gather_u32::<4>(self.indices_4byte.as_ptr().cast(), at) }, id);
+    fn is_taken(leaf: &Leaf) -> bool {
+        leaf.left == 0
+    }
+
+    #[inline(always)]
+    fn write(self, leaf: &mut Leaf, to: &mut [u32; PIECE + SPILL]) -> usize {
+        let Leaf { first, left, upper, mode } = *leaf;
+        let taken = left.min(VECTOR as u32);
+        if mode == LeafMode::FourByte {
+            copy(self.indices_4byte, first as usize, left as usize, to, |id| id);
+        } else {
+            copy(self.indices_2byte, first as usize, left as usize, to, |id| upper | u32::from(id));
         }
-        if s.any(narrow) {
-            // The pair that ends with it; the first of all is read as the lower half of the first pair.
-            let at = s.select_u32(narrow, at, none);
-            let first = s.eq_u32(at, none);
-            let pair = s.select_u32(first, none, at - one);
-            // SAFETY: as above; the array has at least two entries, see `fit_lanes`.
-            let pair = unsafe { s.gather_u32::<2>(self.indices_2byte.as_ptr().cast(), pair) };
-            let low = s.select_u32(first, pair & s.u32s(0xffff), pair >> 16);
-            id = s.select_u32(narrow, upper | low, id);
-        }
-        leaves.at = at + one;
-        leaves.left = s.select_u32(has, left - one, none);
-        (has, id)
+        (leaf.first, leaf.left) = (first + taken, left - taken);
+        taken as usize
     }
 
     #[inline(always)]
     fn lane_corners<S: Simd>(self, s: S, triangle: S::U) -> [[S::F; 3]; 3] {
         self.mesh.lane_corners(s, triangle)
+    }
+}
+
+/// Writes the ids from `first` on, at most a vector of the `left` ones: a whole vector at once where the array goes on that far,
+/// since a loop over a few costs more.
+#[inline(always)]
+fn copy<T: Copy>(
+    ids: &[T],
+    first: usize,
+    left: usize,
+    to: &mut [u32; PIECE + SPILL],
+    id: impl Fn(T) -> u32,
+) {
+    debug_assert!(first + left <= ids.len());
+    if let Some(whole) = ids.get(first..first + VECTOR) {
+        for k in 0..VECTOR {
+            to[k] = id(whole[k]);
+        }
+    } else {
+        for k in 0..left.min(VECTOR) {
+            to[k] = id(ids[first + k]);
+        }
     }
 }

@@ -117,15 +117,6 @@ impl Packed {
         s.eq_u32(lower & s.u32s(KIND_TYPE_II as u32), s.u32s(KIND_TYPE_II as u32))
     }
 
-    /// As [`Packed::is_2byte`], the counts and [`Packed::upper`], of leaves' upper halves.
-    #[inline(always)]
-    pub(super) fn lanes_mode<S: Simd>(s: S, upper: S::U) -> (S::M, S::U, S::U) {
-        let is_2byte = s.eq_u32(upper >> 30, s.u32s(MODE_2BYTE as u32));
-        // The mode's bits stand above a 2-byte leaf's 14 bits of count; in a 4-byte leaf they are clear.
-        let count = s.select_u32(is_2byte, (upper >> 16) & s.u32s(COUNT_LIMIT_2BYTE as u32), upper);
-        (is_2byte, count, upper << 16)
-    }
-
     pub(crate) fn t_reference(triangle: u32) -> Self {
         Self(u64::from(triangle))
     }

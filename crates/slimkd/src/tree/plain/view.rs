@@ -21,7 +21,7 @@ impl<'a> PlainView<'a> {
     }
 
     #[inline(always)]
-    fn packed(&self, index: u32) -> Packed {
+    pub(super) fn packed(&self, index: u32) -> Packed {
         debug_assert!((index as usize) < self.nodes.len());
         // SAFETY: `index` is the root, a child of a node of this tree, or the T-reference slot behind its children; a
         // proven tree's pointers lie inside the array.
