@@ -32,6 +32,7 @@ struct Far {
 }
 
 /// Offers every triangle that the ray may hit to `sink`, nearer voxels first.
+#[inline(always)]
 pub(crate) fn traverse(nodes: impl Nodes, depth: u32, ray: &PreparedRay, sink: &mut impl Sink) {
     match ray.shear.axes[2] {
         0 => along::<0>(nodes, depth, ray, sink),
@@ -40,6 +41,7 @@ pub(crate) fn traverse(nodes: impl Nodes, depth: u32, ray: &PreparedRay, sink: &
     }
 }
 
+#[inline(always)]
 fn along<const Z: usize>(nodes: impl Nodes, depth: u32, ray: &PreparedRay, sink: &mut impl Sink) {
     if depth as usize <= SMALL_DEPTH {
         walk::<Z, _>(nodes, ray, sink, &mut [MaybeUninit::uninit(); SMALL_DEPTH + 1]);
@@ -102,6 +104,9 @@ fn walk<const Z: usize, S: Sink>(
                 break;
             }
             for &id in ids {
+                if sink.knows(id) {
+                    continue;
+                }
                 sink.test();
                 if ray.offer::<Z>(&nodes.corners(id), id, sink) {
                     return;

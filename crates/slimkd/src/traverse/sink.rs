@@ -12,6 +12,11 @@ pub(crate) trait Sink {
     fn offer(&mut self, found: Intersection, triangle: u32) -> bool;
     /// The largest t that still matters, user units.
     fn limit(&self) -> f32;
+    /// Whether offering the triangle once more would change nothing.
+    #[inline(always)]
+    fn knows(&self, _: u32) -> bool {
+        false
+    }
     /// A node is visited.
     #[inline(always)]
     fn visit(&mut self) {}
@@ -49,6 +54,11 @@ impl Sink for Closest {
     #[inline(always)]
     fn limit(&self) -> f32 {
         self.hit.t
+    }
+
+    #[inline(always)]
+    fn knows(&self, triangle: u32) -> bool {
+        self.hit.triangle == triangle
     }
 }
 
