@@ -5,8 +5,8 @@
 //! idea of Tsakok 2009 (*Faster Incoherent Rays: Multi-BVH Ray Stream Tracing*).
 //!
 //! 32 rays are in flight, in two groups of 16 lanes that take turns. In a turn each ray visits one node (`walk.rs`). A ray
-//! that meets a leaf leaves it in a queue and goes on with what its stack has. When 16 leaves wait they are read side by
-//! side, into pairs of a ray and a triangle; 16 pairs are one triangle test (`leaves.rs`, `triangles.rs`). When enough
+//! that meets a leaf leaves it in a queue and goes on with what its stack has. When 16 leaves wait they are read, one after
+//! the other, into pairs of a ray and a triangle; 16 pairs are one triangle test (`leaves.rs`, `triangles.rs`). When enough
 //! rays have ended, all that waits is done, their answers are given, and new rays take their places (`slots.rs`,
 //! `prepare.rs`).
 //!

@@ -82,13 +82,7 @@ impl LaneNodes for PlainView<'_> {
 /// Writes the ids from `first` on, at most a vector of the `left` ones: a whole vector at once where the array goes on that far,
 /// since a loop over a few costs more.
 #[inline(always)]
-fn copy<T: Copy>(
-    ids: &[T],
-    first: usize,
-    left: usize,
-    to: &mut [u32; PIECE + SPILL],
-    id: impl Fn(T) -> u32,
-) {
+fn copy<T: Copy>(ids: &[T], first: usize, left: usize, to: &mut [u32; PIECE + SPILL], id: impl Fn(T) -> u32) {
     debug_assert!(first + left <= ids.len());
     if let Some(whole) = ids.get(first..first + VECTOR) {
         for k in 0..VECTOR {
