@@ -200,13 +200,19 @@ impl Simd for Avx2 {
 
     #[inline(always)]
     unsafe fn gather<const SCALE: i32>(self, base: *const u8, index: U32) -> F32 {
-        // SAFETY: the token proves the instructions; the caller vouches for the addresses.
-        unsafe { F32(_mm256_i32gather_ps::<SCALE>(base.cast(), index.0)) }
+        // SAFETY: the caller's promise.
+        self.cast_f32(unsafe { self.gather_u32::<SCALE>(base, index) })
     }
     #[inline(always)]
     unsafe fn gather_u32<const SCALE: i32>(self, base: *const u8, index: U32) -> U32 {
-        // SAFETY: the token proves the instructions; the caller vouches for the addresses.
-        unsafe { U32(_mm256_i32gather_epi32::<SCALE>(base.cast(), index.0)) }
+        // Not the instruction: see `load_two`; and QEMU 7.2 gives every lane the first one's value.
+        let (mut at, mut lanes) = ([0; WIDTH], [0; WIDTH]);
+        self.store_u32(index, &mut at);
+        for (lane, &at) in lanes.iter_mut().zip(&at) {
+            // SAFETY: the caller vouches for the addresses.
+            *lane = unsafe { base.add(at as usize * SCALE as usize).cast::<u32>().read_unaligned() };
+        }
+        self.load_u32(&lanes)
     }
     #[inline(always)]
     unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, index: U32) -> (U32, U32) {
