@@ -18,6 +18,7 @@ mod search;
 mod subtrees;
 mod sweep;
 
+pub(crate) use clip::Polygon;
 pub use options::{BuildError, BuildOptions, Clipping, Layout, Preset, SahConstants, TreeBudget};
 pub(crate) use plan::{Plan, PlanNode};
 pub(crate) use price::Bound;
