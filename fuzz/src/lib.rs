@@ -5,7 +5,7 @@ mod input;
 mod resign;
 
 use input::Input;
-use slimkd::{BruteForce, BuildOptions, KdTree, Ray, TriangleMesh};
+use slimkd::{BruteForce, BuildOptions, KdTree, Progress, Ray, TriangleMesh};
 use slimkd_scene::{Compression, FileKind, Format, load_bytes};
 use std::sync::{Arc, LazyLock};
 
@@ -46,6 +46,15 @@ pub fn skd(data: &[u8]) {
         tree.any_hit(&ray);
         tree.closest_point(ray.origin, f32::INFINITY);
     }
+    if tree.check_complete(&Progress::new()).is_ok() {
+        // Then it answers as brute force does, whoever made it.
+        let oracle = BruteForce::new(tree.mesh());
+        for _ in 0..16 {
+            let ray = input.ray(tree.mesh());
+            assert_eq!(tree.all_hits(&ray).len(), oracle.all_hits(&ray).len(), "{ray:?}");
+            assert_eq!(bits(tree.closest_hit(&ray)), bits(oracle.closest_hit(&ray)), "{ray:?}");
+        }
+    }
     let statistics = tree.statistics();
     assert!(statistics.references() >= tree.mesh().len() as u64 - statistics.degenerate);
     tree.memory();
@@ -61,9 +70,10 @@ pub fn soup(data: &[u8]) {
     let mesh = Arc::new(input.mesh());
     let oracle = BruteForce::new(&mesh);
     let tree = KdTree::build(Arc::clone(&mesh), &options).expect("any small mesh builds");
-    for _ in 0..24 {
-        compare(&tree, &oracle, &input.ray(&mesh));
-    }
+    let rays: Vec<_> = (0..24).map(|_| input.ray(&mesh)).collect();
+    rays.iter().for_each(|ray| compare(&tree, &oracle, ray));
+    compare_batches(&tree, &rays);
+    assert_eq!(tree.check_complete(&Progress::new()), Ok(()));
     let mut file = Vec::new();
     tree.write(&mut file).unwrap();
     assert_eq!(KdTree::read(&mut &file[..]).unwrap().statistics(), tree.statistics());
@@ -83,20 +93,44 @@ pub fn rays(data: &[u8]) {
         slimkd::Preset::ALL.iter().map(build).collect()
     });
     let oracle = BruteForce::new(TREES[0].mesh());
-    for bytes in data.chunks_exact(32).take(64) {
+    let ray = |bytes: &[u8]| {
         let [ox, oy, oz, t_min, dx, dy, dz, t_max] =
             std::array::from_fn(|k| f32::from_le_bytes(std::array::from_fn(|byte| bytes[4 * k + byte])));
-        let ray = Ray { origin: [ox, oy, oz], direction: [dx, dy, dz], t_min, t_max };
-        TREES.iter().for_each(|tree| compare(tree, &oracle, &ray));
+        Ray { origin: [ox, oy, oz], direction: [dx, dy, dz], t_min, t_max }
+    };
+    let rays: Vec<_> = data.chunks_exact(32).take(64).map(ray).collect();
+    for tree in &*TREES {
+        rays.iter().for_each(|ray| compare(tree, &oracle, ray));
+        compare_batches(tree, &rays);
+    }
+}
+
+fn bits(hit: Option<slimkd::Hit>) -> Option<(u32, u32, u32, u32)> {
+    hit.map(|hit| (hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.triangle))
+}
+
+/// Streams and packets say what single rays say.
+fn compare_batches(tree: &KdTree, rays: &[Ray]) {
+    let (mut hits, mut any) = (vec![None; rays.len()], vec![false; rays.len()]);
+    for coherent in [false, true] {
+        if coherent {
+            tree.closest_hits_coherent(rays, &mut hits);
+            tree.any_hits_coherent(rays, &mut any);
+        } else {
+            tree.closest_hits(rays, &mut hits);
+            tree.any_hits(rays, &mut any);
+        }
+        for (at, ray) in rays.iter().enumerate() {
+            let expected = tree.closest_hit(ray);
+            assert_eq!(bits(hits[at]), bits(expected), "{:?} {coherent} {ray:?}", tree.options().preset);
+            assert_eq!(any[at], expected.is_some(), "{:?} {coherent} {ray:?}", tree.options().preset);
+        }
     }
 }
 
 fn compare(tree: &KdTree, oracle: &BruteForce<'_>, ray: &Ray) {
     let preset = tree.options().preset;
     let expected = oracle.closest_hit(ray);
-    let bits = |hit: Option<slimkd::Hit>| {
-        hit.map(|hit| (hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.triangle))
-    };
     assert_eq!(bits(tree.closest_hit(ray)), bits(expected), "{preset:?} {ray:?}");
     assert_eq!(tree.any_hit(ray), expected.is_some(), "{preset:?} {ray:?}");
     let all = oracle.all_hits(ray);

@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::scenes::Loaded;
 use crate::ui::{Ui, grouped};
-use slimkd::{BuildError, BuildOptions, KdTree, Progress, TreeStatistics, TriangleMesh};
+use slimkd::{BuildError, BuildOptions, CompletenessError, KdTree, Progress, TreeStatistics, TriangleMesh};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::time::Instant;
@@ -85,6 +85,18 @@ pub(crate) fn take_or_build(loaded: &mut Loaded, args: &TreeArgs, ui: Ui) -> Res
         ui.warn(format_args!("{}: a saved tree keeps the options that it was built with", loaded.scene.name));
     }
     saved(&loaded.scene.name, tree, loaded.seconds)
+}
+
+/// Proves that the tree answers rays as brute force does, whoever made its file.
+pub(crate) fn prove_complete(tree: &Tree, pool: &rayon::ThreadPool, ui: Ui) -> Result<(), Failure> {
+    let progress = Progress::new();
+    let proved = ui.watch("prove", &progress, || pool.install(|| tree.tree.check_complete(&progress)));
+    proved.map_err(|error| match error {
+        CompletenessError::Cancelled => Failure::Interrupted,
+        other => Failure::work(format_args!("{}: {other}", tree.name)),
+    })?;
+    ui.note(format_args!("{}: complete, no triangle is missing from any leaf", tree.name));
+    Ok(())
 }
 
 /// A tree that was read.

@@ -91,17 +91,30 @@ fn gltf(count: u64, length: u64) -> String {
     )
 }
 
+/// The same in one binary file.
+fn glb() -> Vec<u8> {
+    let mut json = gltf(3, 36).into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let mut bytes = b"glTF\x02\0\0\0".to_vec();
+    bytes.extend((20 + json.len() as u32).to_le_bytes());
+    bytes.extend((json.len() as u32).to_le_bytes());
+    bytes.extend(b"JSON");
+    bytes.extend(json);
+    bytes
+}
+
 #[test]
 fn scene_files_of_every_format() {
     let tool = Tool::new();
     tool.ok("scene kitchen --triangles 1000 -o kitchen.ply");
     let kitchen = std::fs::read(tool.path("kitchen.ply")).unwrap();
-    let seeds: [(&str, Vec<u8>); 5] = [
+    let seeds: [(&str, Vec<u8>); 6] = [
         ("ply", square().into_bytes()),
         ("ply", kitchen),
         ("obj", TRIANGLE_OBJ.into()),
         ("stl", stl(1)),
         ("gltf", gltf(3, 36).into()),
+        ("glb", glb()),
     ];
     let mut rng = Rng(1);
     let (mut answered, mut refused) = (0, 0);
@@ -202,6 +215,27 @@ fn saved_trees() {
         }
     }
     assert!(answered > 10 && wrong > 30, "{answered} {wrong}");
+}
+
+/// With right checksums, and every triangle somewhere.
+#[test]
+fn forged_trees_that_lack_triangles() {
+    let tool = Tool::new();
+    tool.ok("build kitchen --triangles 1000 --preset standard -o tree.skd");
+    let whole = skd::parts(&std::fs::read(tool.path("tree.skd")).unwrap());
+    let mut forged = whole.clone();
+    let ids = &mut forged.iter_mut().find(|part| part.0 == 17).unwrap().1;
+    // Each triangle stays where it is named first; elsewhere another is named.
+    let mut seen = std::collections::HashSet::new();
+    for id in ids.chunks_exact_mut(4) {
+        if !seen.insert(id.to_vec()) {
+            id.copy_from_slice(&whole.iter().find(|part| part.0 == 17).unwrap().1[..4]);
+        }
+    }
+    tool.file("forged.skd", skd::join(&forged));
+    assert_eq!(limited(&tool, "inspect forged.skd --quiet"), 0);
+    refused(&tool, "inspect forged.skd --complete --quiet");
+    assert_eq!(limited(&tool, "inspect tree.skd --complete --quiet"), 0);
 }
 
 #[test]

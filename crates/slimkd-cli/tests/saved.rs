@@ -23,6 +23,7 @@ fn a_saved_tree_reports_what_its_build_did() {
         assert_eq!(read, built);
     }
     assert!(tool.ok("inspect tree.skd").stdout.contains("B/triangle"));
+    assert!(tool.ok("inspect tree.skd --complete").stderr.contains("no triangle is missing"));
     assert!(tool.ok("inspect tree.skd --preset standard").stderr.contains("keeps the options"));
 }
 

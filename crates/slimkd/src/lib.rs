@@ -67,4 +67,4 @@ pub use build::{
 pub use geometry::{Aabb, MeshError, Ray, RefinedHit, TriangleMesh};
 pub use reduce::{CountedLeaves, HoistAlgorithm, Hoisting, OccupancyBase, WhenLeafRemains};
 pub use traverse::{BruteForce, ClosestPoint, Counters, Hit, InstructionSet, RayCost};
-pub use tree::{EncodedTree, FileError, KdTree, MemoryReport, OpenTree, TreeStatistics};
+pub use tree::{CompletenessError, EncodedTree, FileError, KdTree, MemoryReport, OpenTree, TreeStatistics};

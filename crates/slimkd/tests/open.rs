@@ -32,6 +32,10 @@ fn an_open_tree_answers_as_the_proved_one() {
             assert_eq!(open.closest_hit(ray).unwrap(), tree.closest_hit(ray), "{variant} {ray:?}");
             assert_eq!(open.any_hit(ray).unwrap(), tree.any_hit(ray), "{variant} {ray:?}");
             assert_eq!(open.all_hits(ray).unwrap(), tree.all_hits(ray), "{variant} {ray:?}");
+            let odd = |hit: &slimkd::Hit| hit.triangle % 2 == 1;
+            assert_eq!(open.closest_hit_where(ray, odd).unwrap(), tree.closest_hit_where(ray, odd));
+            assert_eq!(open.any_hit_where(ray, odd).unwrap(), tree.any_hit_where(ray, odd));
+            assert_eq!(open.all_hits_where(ray, odd).unwrap(), tree.all_hits_where(ray, odd));
         }
         assert!(written(&open.verify().unwrap()) == bytes);
         // Wherever the bytes begin.

@@ -1,12 +1,13 @@
 //! Hits against exact arithmetic: none is missed and none invented beyond the bound that `docs/promises.md` states.
 //!
-//! A test run takes some ten thousand rays; `scripts/oracle` as many as one likes (`SLIMKD_ORACLE_RAYS`).
+//! A test run takes some ten thousand rays; `scripts/oracle` as many as one likes (`SLIMKD_ORACLE_RAYS`, on
+//! `SLIMKD_WORKERS` threads).
 
 mod common;
 mod exact;
 
-use common::{Rng, hard_rays, push_box, soup, sphere};
-use slimkd::{KdTree, Preset, Ray, TriangleMesh};
+use common::{Rng, hard_rays, how_many, on_workers, push_box, soup, sphere, workers};
+use slimkd::{Hit, KdTree, Preset, Ray, TriangleMesh};
 use std::sync::Arc;
 
 /// The stated bound, in units of 2⁻²⁴ of the largest distance per axis from the ray's origin to the scene's bounds.
@@ -74,8 +75,19 @@ fn boxes() -> TriangleMesh {
     TriangleMesh::new(vertices, triangles).unwrap()
 }
 
-/// Checks a ray; says what broke the bound.
-fn check(tree: &KdTree, ray: &Ray, worst: &mut Worst) -> Result<(), String> {
+/// Checks a batch, through every interface; says what broke the bound.
+fn check_batch(tree: &KdTree, rays: &[Ray], worst: &mut Worst) -> Result<(), String> {
+    let (mut streams, mut packets) = (vec![None; rays.len()], vec![None; rays.len()]);
+    tree.closest_hits(rays, &mut streams);
+    tree.closest_hits_coherent(rays, &mut packets);
+    for ((ray, &stream), &packet) in rays.iter().zip(&streams).zip(&packets) {
+        check(tree, ray, [stream, packet], worst).map_err(|what| format!("{ray:?}: {what}"))?;
+    }
+    Ok(())
+}
+
+/// Checks a ray, and what batches found for it.
+fn check(tree: &KdTree, ray: &Ray, batches: [Option<Hit>; 2], worst: &mut Worst) -> Result<(), String> {
     let mesh = tree.mesh();
     let bounds = tree.bounds();
     let reach = (0..3)
@@ -91,7 +103,8 @@ fn check(tree: &KdTree, ray: &Ray, worst: &mut Worst) -> Result<(), String> {
     if !hits.iter().all(|hit| hit.t.is_finite()) {
         return Ok(()); // the direction is so short that t leaves f32
     }
-    if tree.closest_hit(ray) != hits.first().copied() || tree.any_hit(ray) == hits.is_empty() {
+    let first = hits.first().copied();
+    if tree.closest_hit(ray) != first || batches != [first; 2] || tree.any_hit(ray) == hits.is_empty() {
         return Err("queries disagree".into());
     }
     for id in 0..mesh.len() as u32 {
@@ -146,33 +159,26 @@ fn campaign(name: &str, mesh: TriangleMesh, rays: usize) -> Worst {
     let trees: Vec<_> =
         Preset::ALL.iter().map(|&preset| KdTree::build(Arc::clone(&mesh), &preset.into()).unwrap()).collect();
     let batches = rays.div_ceil(BATCH) as u64;
-    let workers: u64 = 2;
-    let worst = std::thread::scope(|scope| {
-        let work = |worker: u64| {
-            let mut worst = Worst::default();
-            for batch in (worker..batches).step_by(workers as usize) {
-                let tree = &trees[batch as usize % trees.len()];
-                for ray in hard_rays(&mesh, BATCH, batch) {
-                    if let Err(what) = check(tree, &ray, &mut worst) {
-                        panic!("{name}, {:?}, {ray:?}: {what}", tree.options().preset);
-                    }
-                }
+    let work = |worker: u64| {
+        let mut worst = Worst::default();
+        for batch in (worker..batches).step_by(workers() as usize) {
+            let tree = &trees[batch as usize % trees.len()];
+            let rays = hard_rays(&mesh, BATCH, batch);
+            if let Err(what) = check_batch(tree, &rays, &mut worst) {
+                panic!("{name}, {:?}, {what}", tree.options().preset);
             }
-            worst
-        };
-        let workers: Vec<_> = (0..workers).map(|worker| scope.spawn(move || work(worker))).collect();
-        workers.into_iter().fold(Worst::default(), |mut all, worker| {
-            all.merge(&worker.join().unwrap());
-            all
-        })
-    });
+        }
+        worst
+    };
+    let mut worst = Worst::default();
+    on_workers(work).iter().for_each(|part| worst.merge(part));
     println!("{name}: {worst:?}");
     worst
 }
 
 #[test]
 fn no_hit_is_missed_and_none_invented_beyond_the_bound() {
-    let rays: usize = std::env::var("SLIMKD_ORACLE_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(30_000);
+    let rays = how_many("SLIMKD_ORACLE_RAYS", 30_000);
     let mut all = Worst::default();
     for (name, mesh, share) in [
         ("sphere", sphere(2), 0.2),
@@ -187,6 +193,20 @@ fn no_hit_is_missed_and_none_invented_beyond_the_bound() {
     }
     println!("all: {all:?}");
     assert!(all.hits > all.rays / 2, "too few hits to prove anything: {all:?}");
+}
+
+#[test]
+fn the_oracle_s_steps_agree() {
+    for (mesh, seed) in [(boxes(), 1), (slivers(96), 2), (mixed_scales(), 3), (soup(96, 1.0, 1000.0, 1), 4)] {
+        for (i, ray) in hard_rays(&mesh, 400, seed).iter().enumerate() {
+            for id in (i as u32 % 7..mesh.len() as u32).step_by(7) {
+                let corners = mesh.corners(id);
+                let apart = exact::agrees_with_itself(ray, &corners)
+                    .unwrap_or_else(|what| panic!("{ray:?} {corners:?}: {what}"));
+                assert!(apart < 2.0f64.powi(-33), "{ray:?} {corners:?}: {apart}");
+            }
+        }
+    }
 }
 
 #[test]

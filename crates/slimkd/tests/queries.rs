@@ -45,8 +45,55 @@ fn filters_say_what_brute_force_says() {
                         assert_eq!(tree.closest_hit_except(ray, own), rest, "{name} {variant} {ray:?}");
                         assert_eq!(tree.any_hit_except(ray, own), rest.is_some());
                     }
+                    if let Some(first) = all.first().copied() {
+                        let others: Vec<_> =
+                            all.iter().copied().filter(|hit| hit.triangle != first.triangle).collect();
+                        assert_eq!(
+                            tree.all_hits_except(ray, first.triangle),
+                            others,
+                            "{name} {variant} {ray:?}"
+                        );
+                    }
                     all.retain(odd);
                     assert_eq!(tree.all_hits_where(ray, odd), all, "{name} {variant} {ray:?}");
+                }
+            }
+        }
+    }
+}
+
+/// Batches with a filter that knows the ray, in both orders; a batch too short for streams among them.
+#[test]
+fn filtered_batches_say_what_single_rays_say() {
+    let bits = |hit: &Option<slimkd::Hit>| hit.map(|hit| [hit.t.to_bits(), hit.triangle]);
+    for (name, mesh) in meshes() {
+        let rays = hard_rays(&mesh, 90, 9);
+        for (variant, options) in variants() {
+            let tree = KdTree::build(Arc::clone(&mesh), &options).unwrap();
+            let own: Vec<_> = rays.iter().map(|ray| tree.closest_hit(ray).map(|hit| hit.triangle)).collect();
+            let accept = |ray: usize, hit: &slimkd::Hit| match ray % 3 {
+                0 => true,
+                1 => Some(hit.triangle) != own[ray],
+                _ => hit.triangle as usize % 4 != ray % 4,
+            };
+            let single = |ray: usize| tree.closest_hit_where(&rays[ray], |hit| accept(ray, hit));
+            for count in [90, 5] {
+                let rays = &rays[..count];
+                let (mut hits, mut any) = (vec![None; count], vec![false; count]);
+                for coherent in [true, false] {
+                    if coherent {
+                        tree.closest_hits_coherent_where(rays, &mut hits, accept);
+                        tree.any_hits_coherent_where(rays, &mut any, accept);
+                    } else {
+                        tree.closest_hits_where(rays, &mut hits, accept);
+                        tree.any_hits_where(rays, &mut any, accept);
+                    }
+                    for ray in 0..count {
+                        let expected = single(ray);
+                        let context = format!("{name} {variant} {coherent} {:?}", rays[ray]);
+                        assert_eq!(bits(&hits[ray]), bits(&expected), "{context}");
+                        assert_eq!(any[ray], expected.is_some(), "{context}");
+                    }
                 }
             }
         }
@@ -97,6 +144,12 @@ fn nearest_points_are_brute_force_s() {
                 let below = 0.99 * found.distance;
                 assert_eq!(tree.closest_point(point, below), oracle.closest_point(point, below));
                 assert_eq!(tree.closest_point(point, 1.01 * found.distance), expected);
+                let other = |triangle: u32| triangle != found.triangle;
+                assert_eq!(
+                    tree.closest_point_where(point, f32::INFINITY, other),
+                    oracle.closest_point_where(point, f32::INFINITY, other),
+                    "{name} {variant} {point:?}"
+                );
             }
             assert_eq!(tree.closest_point([f32::NAN, 0.0, 0.0], f32::INFINITY), None);
             assert_eq!(tree.closest_point([0.0; 3], f32::NAN), None);

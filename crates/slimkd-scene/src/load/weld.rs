@@ -1,17 +1,27 @@
 //! Welds vertices of equal position, for formats without indices.
 
+use std::hash::{BuildHasher, RandomState};
+
 /// Vertices, each position once (by its bits; −0 is 0), in order of first use.
 pub(super) struct Weld {
     pub(super) vertices: Vec<[f32; 3]>,
     /// Open addressing: a vertex' index, or `FREE`. At most half full, and a power of two long.
     table: Vec<u32>,
+    /// Drawn anew each time, so that no file can be made whose vertices all fall into one place. The result does not depend
+    /// on it.
+    keys: [u64; 4],
 }
 
 const FREE: u32 = u32::MAX;
 
 impl Weld {
     pub(super) fn new() -> Self {
-        Self { vertices: Vec::new(), table: vec![FREE; 64] }
+        let random = RandomState::new();
+        Self {
+            vertices: Vec::new(),
+            table: vec![FREE; 64],
+            keys: std::array::from_fn(|k| random.hash_one(k)),
+        }
     }
 
     /// The vertex at `position`.
@@ -20,11 +30,11 @@ impl Weld {
         if 2 * self.vertices.len() >= self.table.len() {
             self.table = vec![FREE; 2 * self.table.len()];
             for (index, vertex) in self.vertices.iter().enumerate() {
-                let slot = find(&self.table, &self.vertices, *vertex);
+                let slot = find(&self.table, &self.vertices, &self.keys, *vertex);
                 self.table[slot] = index as u32;
             }
         }
-        let slot = find(&self.table, &self.vertices, position);
+        let slot = find(&self.table, &self.vertices, &self.keys, position);
         if self.table[slot] == FREE {
             self.table[slot] = self.vertices.len() as u32;
             self.vertices.push(position);
@@ -34,12 +44,13 @@ impl Weld {
 }
 
 /// The slot that holds the position, or the free one where it belongs.
-fn find(table: &[u32], vertices: &[[f32; 3]], position: [f32; 3]) -> usize {
+fn find(table: &[u32], vertices: &[[f32; 3]], keys: &[u64; 4], position: [f32; 3]) -> usize {
     let bits = position.map(f32::to_bits);
-    // Multiplicative hashing (Knuth): the high bits of the product are the good ones.
-    let hash = bits.iter().fold(0u64, |hash, &bits| {
-        (hash.rotate_left(23) ^ u64::from(bits)).wrapping_mul(0x9e37_79b9_7f4a_7c15)
-    });
+    // Multilinear hashing (Lemire & Kaser 2014): universal for random keys; the high bits are the good ones.
+    let hash = bits
+        .iter()
+        .zip(keys)
+        .fold(keys[3], |hash, (&bits, &key)| hash.wrapping_add(key.wrapping_mul(u64::from(bits))));
     let mut slot = (hash >> (64 - table.len().trailing_zeros())) as usize;
     loop {
         match table[slot] {

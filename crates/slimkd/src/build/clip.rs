@@ -12,7 +12,7 @@ const MOST_CORNERS: usize = 10;
 
 /// A convex polygon without heap.
 #[derive(Clone, Copy)]
-struct Polygon {
+pub(crate) struct Polygon {
     corners: [[f64; 3]; MOST_CORNERS],
     len: usize,
 }
@@ -31,6 +31,15 @@ impl Default for Clipper {
 }
 
 impl Polygon {
+    /// A whole triangle.
+    pub(crate) fn new(triangle: &[[f32; 3]; 3]) -> Self {
+        let mut corners = [[0.0; 3]; MOST_CORNERS];
+        for (to, from) in corners.iter_mut().zip(triangle) {
+            *to = from.map(f64::from);
+        }
+        Self { corners, len: 3 }
+    }
+
     #[inline(always)]
     fn push(&mut self, corner: [f64; 3]) {
         // Rounding can never add corners beyond one a plane, but a wrong proof must not become a wrong index.
@@ -40,12 +49,12 @@ impl Polygon {
         }
     }
 
-    fn corners(&self) -> &[[f64; 3]] {
+    pub(crate) fn corners(&self) -> &[[f64; 3]] {
         &self.corners[..self.len.min(MOST_CORNERS)]
     }
 
     /// Into `out`, the part where `sign · (x[axis] − position) ≥ 0`.
-    fn clip(&self, axis: usize, position: f64, sign: f64, out: &mut Self) {
+    pub(crate) fn clip(&self, axis: usize, position: f64, sign: f64, out: &mut Self) {
         out.len = 0;
         let Some(&(mut previous)) = self.corners().last() else { return };
         let mut before = sign * (previous[axis] - position);

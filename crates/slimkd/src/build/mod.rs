@@ -19,6 +19,7 @@ mod search;
 mod subtrees;
 mod sweep;
 
+pub(crate) use clip::Polygon;
 pub use options::{BuildError, BuildOptions, Clipping, Layout, Preset, SahConstants, Sweep, TreeBudget};
 pub(crate) use pace::Pace;
 pub(crate) use plan::{Plan, PlanNode};

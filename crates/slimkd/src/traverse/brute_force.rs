@@ -60,7 +60,17 @@ impl<'a> BruteForce<'a> {
 
     /// As [`crate::KdTree::closest_point`].
     pub fn closest_point(&self, point: impl Into<[f32; 3]>, max_distance: f32) -> Option<ClosestPoint> {
-        let mut search = Search::new(point.into(), max_distance, &self.bounds)?;
+        self.closest_point_where(point, max_distance, |_| true)
+    }
+
+    /// As [`crate::KdTree::closest_point_where`].
+    pub fn closest_point_where(
+        &self,
+        point: impl Into<[f32; 3]>,
+        max_distance: f32,
+        accept: impl FnMut(u32) -> bool,
+    ) -> Option<ClosestPoint> {
+        let mut search = Search::new(point.into(), max_distance, &self.bounds, accept)?;
         search_all(self.mesh, &self.triangles, &mut search);
         search.into_closest()
     }

@@ -37,18 +37,20 @@ pub struct ClosestPoint {
 }
 
 /// The best so far.
-pub(crate) struct Search {
+pub(crate) struct Search<F> {
     point: [f32; 3],
     best: Nearest,
     triangle: u32,
     slack: f64,
     /// Voxels whose squared distance is larger hold nothing better.
     limit: f64,
+    /// Which triangles count.
+    accept: F,
 }
 
-impl Search {
+impl<F: FnMut(u32) -> bool> Search<F> {
     /// `None` for a point or a distance that is not a number, and where there is no triangle.
-    pub(crate) fn new(point: [f32; 3], max_distance: f32, bounds: &Aabb) -> Option<Self> {
+    pub(crate) fn new(point: [f32; 3], max_distance: f32, bounds: &Aabb, accept: F) -> Option<Self> {
         if !point.iter().all(|x| x.is_finite())
             || max_distance.is_nan()
             || max_distance < 0.0
@@ -63,7 +65,7 @@ impl Search {
         let slack = SLACK * (reach(0) + reach(1) + reach(2));
         let square = f64::from(max_distance) * f64::from(max_distance);
         let best = Nearest { square, offset: [0.0; 3], u: 0.0, v: 0.0 };
-        let mut search = Self { point, best, triangle: u32::MAX, slack, limit: 0.0 };
+        let mut search = Self { point, best, triangle: u32::MAX, slack, limit: 0.0, accept };
         search.tighten();
         Some(search)
     }
@@ -75,7 +77,9 @@ impl Search {
 
     pub(crate) fn offer(&mut self, mesh_corners: &[[f32; 3]; 3], triangle: u32) {
         let found = nearest_on_triangle(self.point, mesh_corners);
-        if found.square < self.best.square || (found.square == self.best.square && triangle < self.triangle) {
+        let better =
+            found.square < self.best.square || (found.square == self.best.square && triangle < self.triangle);
+        if better && (self.accept)(triangle) {
             (self.best, self.triangle) = (found, triangle);
             self.tighten();
         }
@@ -94,7 +98,11 @@ impl Search {
 }
 
 /// Every triangle that can be hit, one after the other: what the tree must say too.
-pub(crate) fn search_all(mesh: &TriangleMesh, triangles: &[u32], search: &mut Search) {
+pub(crate) fn search_all(
+    mesh: &TriangleMesh,
+    triangles: &[u32],
+    search: &mut Search<impl FnMut(u32) -> bool>,
+) {
     triangles.iter().for_each(|&id| search.offer(&mesh.corners(id), id));
 }
 
@@ -110,7 +118,12 @@ fn square(apart: [f64; 3]) -> f64 {
 }
 
 /// Offers every triangle that may be nearest.
-pub(crate) fn search_tree(nodes: impl Nodes, depth: u32, bounds: &Aabb, search: &mut Search) {
+pub(crate) fn search_tree(
+    nodes: impl Nodes,
+    depth: u32,
+    bounds: &Aabb,
+    search: &mut Search<impl FnMut(u32) -> bool>,
+) {
     let point = search.point.map(f64::from);
     let planes = nodes.planes();
     let apart = std::array::from_fn(|k| {

@@ -1,6 +1,7 @@
 //! The finished tree: its bytes, its size, its shape.
 
 mod checked;
+mod complete;
 mod dense;
 mod encoded;
 mod file;
@@ -13,6 +14,7 @@ mod queries;
 mod statistics;
 mod walk;
 
+pub use complete::CompletenessError;
 pub use encoded::EncodedTree;
 pub use file::{FileError, OpenTree};
 pub use kdtree::KdTree;

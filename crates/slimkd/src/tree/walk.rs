@@ -7,14 +7,14 @@ use crate::build::{BuildError, Progress};
 use crate::geometry::Aabb;
 
 /// A node that a walk visits.
-struct Visit {
-    address: u32,
+pub(super) struct Visit {
+    pub(super) address: u32,
     depth: u32,
     voxel: Aabb,
 }
 
 /// Calls `visit` for every node, parents before children.
-fn for_each<N: Nodes>(nodes: N, root: Aabb, mut visit: impl FnMut(&Visit, Step<N::Leaf>)) {
+pub(super) fn for_each<N: Nodes>(nodes: N, root: Aabb, mut visit: impl FnMut(&Visit, Step<N::Leaf>)) {
     let planes = nodes.planes();
     let mut pending = vec![Visit { address: 0, depth: 0, voxel: root }];
     while let Some(at) = pending.pop() {

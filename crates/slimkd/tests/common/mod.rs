@@ -3,6 +3,26 @@
 
 use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Layout, Preset, Ray, Sweep, TriangleMesh};
 
+/// How many, from the environment or else `few`: what makes a campaign of a test.
+pub fn how_many(variable: &str, few: u64) -> u64 {
+    std::env::var(variable)
+        .map_or(few, |n| n.parse().unwrap_or_else(|_| panic!("{variable}={n} is no number")))
+}
+
+/// Threads that a campaign takes, `SLIMKD_WORKERS`.
+pub fn workers() -> u64 {
+    how_many("SLIMKD_WORKERS", 2).max(1)
+}
+
+/// What `work` gives for each worker, on a thread each.
+pub fn on_workers<T: Send>(work: impl Fn(u64) -> T + Sync) -> Vec<T> {
+    std::thread::scope(|scope| {
+        let work = &work;
+        let threads: Vec<_> = (0..workers()).map(|worker| scope.spawn(move || work(worker))).collect();
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+    })
+}
+
 /// Every preset, and each option that changes what a tree looks like.
 pub fn variants() -> Vec<(String, BuildOptions)> {
     let mut out = Vec::new();

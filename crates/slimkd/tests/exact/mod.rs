@@ -1,4 +1,5 @@
-//! What a ray really crosses: exact, by integers of any length where f64 cannot tell; and distances in f64.
+//! What a ray really crosses: in f64 where its error bound decides, by 128-bit integers where the numbers' exponents are
+//! near enough, else in double-double where its bound decides, else by integers of any length; and distances in f64.
 #![allow(unreachable_pub)]
 
 use num_bigint::{BigInt, Sign};
@@ -7,8 +8,17 @@ use slimkd::Ray;
 pub type Corners = [[f32; 3]; 3];
 type Vector = [f64; 3];
 
-/// Relative error of a 3 × 3 determinant in f64, generously: a dozen roundings of 2⁻⁵³ each.
+/// Error of a 3 × 3 determinant of rounded differences in f64, relative to the sum of its terms' sizes: each term has two
+/// differences and two products, a difference of both, and two sums, so 7 roundings of 2⁻⁵³ or 7.8·10⁻¹⁶; generously.
 const FILTER: f64 = 1e-14;
+/// The same in double-double: numbers are exact, a product and a sum err by less than 2⁻¹⁰⁰ each.
+const FINE_FILTER: f64 = 1e-28;
+/// Sums of sizes below this may have lost something to underflow.
+const LEAST: f64 = 1e-280;
+/// Relative error that is good enough for t: of a crossing inside the bounds it is below .004 of `docs/promises.md`'s units.
+const GOOD: f64 = 1.0 / (1u64 << 34) as f64;
+/// Widest whole numbers, bits: a determinant of such, and of differences of such, stays below 2¹²⁰.
+const WIDEST: i32 = 38;
 
 pub fn sub(a: Vector, b: Vector) -> Vector {
     std::array::from_fn(|k| a[k] - b[k])
@@ -51,20 +61,120 @@ fn exact_determinant(a: &[BigInt; 3], b: &[BigInt; 3], c: &[BigInt; 3]) -> BigIn
     &a[0] * minor(1, 2) + &a[1] * minor(2, 0) + &a[2] * minor(0, 1)
 }
 
-/// Sign of det(direction, b − origin, c − origin).
-fn side(ray: &Ray, b: [f32; 3], c: [f32; 3]) -> i32 {
-    let (d, o) = (wide(ray.direction), wide(ray.origin));
-    let (p, q) = (sub(wide(b), o), sub(wide(c), o));
+/// As whole multiples of one power of two, which is returned too; `None` where that takes more than [`WIDEST`] bits.
+fn multiples<const N: usize>(numbers: [f32; N]) -> Option<([i128; N], i32)> {
+    let (mut low, mut high) = (i32::MAX, i32::MIN);
+    for x in numbers.iter().filter(|x| **x != 0.0) {
+        let bits = x.to_bits();
+        let (exponent, fraction) = ((bits >> 23 & 0xff) as i32, bits & 0x007f_ffff);
+        let (first, digits) =
+            if exponent == 0 { (-149, fraction) } else { (exponent - 150, fraction | 1 << 23) };
+        low = low.min(first + digits.trailing_zeros() as i32);
+        high = high.max(first + 32 - digits.leading_zeros() as i32);
+    }
+    let low = low.min(high); // all are 0
+    let unit = f64::from(-low).exp2();
+    (i64::from(high) - i64::from(low) <= WIDEST.into())
+        .then(|| (numbers.map(|x| (f64::from(x) * unit) as i128), low))
+}
+
+fn small_determinant(a: [i128; 3], b: [i128; 3], c: [i128; 3]) -> i128 {
+    let minor = |i: usize, j: usize| b[i] * c[j] - b[j] * c[i];
+    a[0] * minor(1, 2) + a[1] * minor(2, 0) + a[2] * minor(0, 1)
+}
+
+/// A determinant in f64, and the sum of its terms' sizes.
+fn rounded_determinant(a: Vector, b: Vector, c: Vector) -> (f64, f64) {
     let (mut sum, mut sizes) = (0.0, 0.0);
     for k in 0..3 {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        let (left, right) = (p[i] * q[j], p[j] * q[i]);
-        sum += d[k] * (left - right);
-        sizes += d[k].abs() * (left.abs() + right.abs());
+        let (left, right) = (b[i] * c[j], b[j] * c[i]);
+        sum += a[k] * (left - right);
+        sizes += a[k].abs() * (left.abs() + right.abs());
     }
-    if sum.abs() > FILTER * sizes && sizes > 1e-280 {
+    (sum, sizes)
+}
+
+/// Sign of det(direction, b − origin, c − origin).
+fn side(ray: &Ray, b: [f32; 3], c: [f32; 3]) -> i32 {
+    let (d, o) = (wide(ray.direction), wide(ray.origin));
+    let (sum, sizes) = rounded_determinant(d, sub(wide(b), o), sub(wide(c), o));
+    if sum.abs() > FILTER * sizes && sizes > LEAST {
         return if sum > 0.0 { 1 } else { -1 };
     }
+    exact_side(ray, b, c)
+}
+
+#[cold]
+fn exact_side(ray: &Ray, b: [f32; 3], c: [f32; 3]) -> i32 {
+    if let (Some((d, _)), Some((p, _))) =
+        (multiples(ray.direction), multiples([ray.origin, b, c].as_flattened().try_into().unwrap()))
+    {
+        return small_side(d, p);
+    }
+    fine_side(ray, b, c).unwrap_or_else(|| long_side(ray, b, c))
+}
+
+/// An unevaluated sum of two f64 (Dekker 1971), the second below half an ulp of the first.
+#[derive(Clone, Copy)]
+struct Double(f64, f64);
+
+impl Double {
+    /// Exact.
+    fn sum(a: f64, b: f64) -> Self {
+        let sum = a + b;
+        let back = sum - a;
+        Self(sum, (a - (sum - back)) + (b - back))
+    }
+
+    /// Exact, short of underflow.
+    fn product(a: f64, b: f64) -> Self {
+        let split = |x: f64| {
+            let c = 134_217_729.0 * x;
+            let high = c - (c - x);
+            (high, x - high)
+        };
+        let (product, (ah, al), (bh, bl)) = (a * b, split(a), split(b));
+        Self(product, ((ah * bh - product) + ah * bl + al * bh) + al * bl)
+    }
+
+    fn times(self, other: Self) -> Self {
+        let Self(high, low) = Self::product(self.0, other.0);
+        Self::sum(high, low + (self.0 * other.1 + self.1 * other.0))
+    }
+
+    fn minus(self, other: Self) -> Self {
+        let Self(high, rest) = Self::sum(self.0, -other.0);
+        let Self(low, last) = Self::sum(self.1, -other.1);
+        let Self(high, rest) = Self::sum(high, rest + low);
+        Self::sum(high, rest + last)
+    }
+}
+
+/// The side where double-double can tell it.
+fn fine_side(ray: &Ray, b: [f32; 3], c: [f32; 3]) -> Option<i32> {
+    let from_origin = |p: [f32; 3]| -> [Double; 3] {
+        std::array::from_fn(|k| Double::sum(p[k].into(), -f64::from(ray.origin[k])))
+    };
+    let (p, q) = (from_origin(b), from_origin(c));
+    let (mut sum, mut sizes) = (Double(0.0, 0.0), 0.0);
+    for k in 0..3 {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        let (left, right) = (p[i].times(q[j]), p[j].times(q[i]));
+        let d = f64::from(ray.direction[k]);
+        sum = sum.minus(left.minus(right).times(Double(-d, 0.0)));
+        sizes += d.abs() * (left.0.abs() + right.0.abs());
+    }
+    let found = sum.0 + sum.1;
+    (found.abs() > FINE_FILTER * sizes && found.abs() > LEAST).then(|| found.signum() as i32)
+}
+
+fn small_side(d: [i128; 3], points: [i128; 9]) -> i32 {
+    let from_origin = |at: usize| std::array::from_fn(|k| points[at + k] - points[k]);
+    small_determinant(d, from_origin(3), from_origin(6)).signum() as i32
+}
+
+fn long_side(ray: &Ray, b: [f32; 3], c: [f32; 3]) -> i32 {
     let direction = ray.direction.map(whole);
     let determinant =
         exact_determinant(&direction, &whole_difference(b, ray.origin), &whole_difference(c, ray.origin));
@@ -78,12 +188,40 @@ fn side(ray: &Ray, b: [f32; 3], c: [f32; 3]) -> i32 {
 /// Whether the ray's whole line crosses the closed triangle, exactly. A line within the plane does not.
 pub fn crosses(ray: &Ray, corners: &Corners) -> bool {
     let [a, b, c] = *corners;
-    let sides = [side(ray, b, c), side(ray, c, a), side(ray, a, b)];
+    let (first, second) = (side(ray, b, c), side(ray, c, a));
+    if first * second < 0 {
+        return false;
+    }
+    let sides = [first, second, side(ray, a, b)];
     (sides.iter().all(|&s| s >= 0) || sides.iter().all(|&s| s <= 0)) && sides != [0; 3]
 }
 
-/// Where the line crosses the triangle's plane: the exact quotient, rounded to f64.
+/// Where the line crosses the triangle's plane, to a part of 2⁻³³.
 pub fn crossing(ray: &Ray, corners: &Corners) -> Option<f64> {
+    let [a, b, c] = corners.map(wide);
+    let (e1, e2) = (sub(b, a), sub(c, a));
+    let (below, sizes_below) = rounded_determinant(wide(ray.direction), e1, e2);
+    let (above, sizes_above) = rounded_determinant(sub(a, wide(ray.origin)), e1, e2);
+    let good = |sum: f64, sizes: f64| sum.abs() * GOOD > FILTER * sizes && sizes > LEAST;
+    if good(below, sizes_below) && good(above, sizes_above) {
+        return Some(above / below);
+    }
+    small_crossing(ray, corners).unwrap_or_else(|| long_crossing(ray, corners))
+}
+
+/// The exact quotient, rounded to f64; the outer `None` where 128 bits do not suffice.
+fn small_crossing(ray: &Ray, corners: &Corners) -> Option<Option<f64>> {
+    let [a, b, c] = *corners;
+    let (d, d_unit) = multiples(ray.direction)?;
+    let (points, unit) = multiples::<12>([ray.origin, a, b, c].as_flattened().try_into().unwrap())?;
+    let minus = |p: usize, q: usize| std::array::from_fn(|k| points[3 * p + k] - points[3 * q + k]);
+    let below = small_determinant(d, minus(2, 1), minus(3, 1));
+    let above = small_determinant(minus(1, 0), minus(2, 1), minus(3, 1));
+    Some((below != 0).then(|| above as f64 / below as f64 * f64::from(unit - d_unit).exp2()))
+}
+
+/// The exact quotient, rounded to f64.
+fn long_crossing(ray: &Ray, corners: &Corners) -> Option<f64> {
     let [a, b, c] = *corners;
     let (e1, e2) = (whole_difference(b, a), whole_difference(c, a));
     let below = exact_determinant(&ray.direction.map(whole), &e1, &e2);
@@ -96,6 +234,29 @@ pub fn crossing(ray: &Ray, corners: &Corners) -> Option<f64> {
         if sign == Sign::Minus { -size } else { size }
     };
     (below.sign() != Sign::NoSign).then(|| float(&above) / float(&below))
+}
+
+/// The steps of the oracle against its last one: whether sides agree exactly, and how far crossings are apart, relatively.
+pub fn agrees_with_itself(ray: &Ray, corners: &Corners) -> Result<f64, String> {
+    let [a, b, c] = *corners;
+    for (p, q) in [(b, c), (c, a), (a, b)] {
+        let expected = long_side(ray, p, q);
+        let fine = fine_side(ray, p, q).unwrap_or(expected);
+        if [side(ray, p, q), exact_side(ray, p, q), fine] != [expected; 3] {
+            return Err(format!("side of {p:?} {q:?}"));
+        }
+    }
+    let expected = long_crossing(ray, corners);
+    let mut apart = 0.0f64;
+    for found in small_crossing(ray, corners).into_iter().chain([crossing(ray, corners)]) {
+        match (found, expected) {
+            (None, None) => {}
+            (Some(found), Some(expected)) if found == expected => {}
+            (Some(found), Some(expected)) => apart = apart.max(((found - expected) / expected).abs()),
+            _ => return Err(format!("{found:?} is not {expected:?}")),
+        }
+    }
+    Ok(apart)
 }
 
 fn from_segment(p: Vector, q: Vector) -> f64 {

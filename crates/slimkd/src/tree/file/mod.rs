@@ -30,7 +30,7 @@ mod sections;
 mod shape;
 mod table;
 
-use super::{KdTree, walk};
+use super::{CompletenessError, KdTree, walk};
 use crate::geometry::{MeshError, TriangleMesh};
 use crate::traverse::InstructionSet;
 pub use open::OpenTree;
@@ -91,6 +91,9 @@ pub enum FileError {
         /// That of the mesh that was handed in.
         found: u64,
     },
+    /// Not proved complete: see [`KdTree::check_complete`].
+    #[error(transparent)]
+    Incomplete(#[from] CompletenessError),
     /// The operating system refused: see the source.
     #[error(transparent)]
     Io(#[from] std::io::Error),

@@ -5,9 +5,9 @@ use super::sections::{DENSE, INDICES_2BYTE, INDICES_4BYTE, NODES};
 use super::shape::{self, Shape};
 use super::table::{Entry, Kind, Table};
 use super::{FileError, damaged, options};
-use crate::build::BuildOptions;
+use crate::build::{BuildOptions, Progress};
 use crate::geometry::{Aabb, Ray};
-use crate::traverse::{All, Any, Closest, Hit, Planes, PreparedRay, Sink, sort_hits, traverse};
+use crate::traverse::{All, Any, Closest, Filtered, Hit, Planes, PreparedRay, Sink, sort_hits, traverse};
 use crate::tree::KdTree;
 use crate::tree::checked::{CheckedMesh, Guard};
 use crate::tree::dense::CheckedDense;
@@ -121,6 +121,17 @@ impl<B: AsRef<[u8]>> OpenTree<B> {
         KdTree::read(&mut self.bytes.as_ref())
     }
 
+    /// Proves what [`OpenTree::verify`] proves, and that no triangle is missing anywhere ([`KdTree::check_complete`]): then the
+    /// answers are right even if the file was forged.
+    ///
+    /// # Errors
+    /// As [`KdTree::read`], and [`FileError::Incomplete`].
+    pub fn verify_complete(&self, progress: &Progress) -> Result<KdTree, FileError> {
+        let tree = self.verify()?;
+        tree.check_complete(progress)?;
+        Ok(tree)
+    }
+
     /// As [`KdTree::closest_hit`].
     ///
     /// # Errors
@@ -148,6 +159,42 @@ impl<B: AsRef<[u8]>> OpenTree<B> {
     pub fn all_hits(&self, ray: &Ray) -> Result<Vec<Hit>, FileError> {
         let mut hits = Vec::new();
         self.offer_all(ray, &mut All { hits: &mut hits, t_max: ray.t_max })?;
+        sort_hits(&mut hits);
+        Ok(hits)
+    }
+
+    /// As [`KdTree::closest_hit_where`].
+    ///
+    /// # Errors
+    /// As [`OpenTree::closest_hit`].
+    pub fn closest_hit_where(
+        &self,
+        ray: &Ray,
+        accept: impl FnMut(&Hit) -> bool,
+    ) -> Result<Option<Hit>, FileError> {
+        let mut sink = Filtered { sink: Closest::new(ray.t_max), accept };
+        self.offer_all(ray, &mut sink)?;
+        Ok(sink.sink.into_hit())
+    }
+
+    /// As [`KdTree::any_hit_where`].
+    ///
+    /// # Errors
+    /// As [`OpenTree::closest_hit`].
+    pub fn any_hit_where(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> Result<bool, FileError> {
+        let mut sink = Filtered { sink: Any { found: false, t_max: ray.t_max }, accept };
+        self.offer_all(ray, &mut sink)?;
+        Ok(sink.sink.found)
+    }
+
+    /// As [`KdTree::all_hits_where`].
+    ///
+    /// # Errors
+    /// As [`OpenTree::closest_hit`].
+    pub fn all_hits_where(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> Result<Vec<Hit>, FileError> {
+        let mut hits = Vec::new();
+        let sink = All { hits: &mut hits, t_max: ray.t_max };
+        self.offer_all(ray, &mut Filtered { sink, accept })?;
         sort_hits(&mut hits);
         Ok(hits)
     }
