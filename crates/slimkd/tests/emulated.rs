@@ -29,7 +29,9 @@ impl Digest {
     fn add_hit(&mut self, hit: Option<Hit>) {
         match hit {
             Some(hit) => {
-                [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.triangle].map(|word| self.add(word));
+                [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.triangle]
+                    .iter()
+                    .for_each(|&word| self.add(word));
             }
             None => self.add(u32::MAX),
         }
@@ -44,7 +46,7 @@ fn digest() -> u64 {
     for (_, options) in variants() {
         let tree = KdTree::build(Arc::clone(&mesh), &options).unwrap();
         let memory = tree.memory();
-        [memory.nodes, memory.indices, memory.other].map(|bytes| digest.add(bytes as u32));
+        [memory.nodes, memory.indices, memory.other].iter().for_each(|&bytes| digest.add(bytes as u32));
         let mut hits = vec![None; rays.len()];
         let mut any = vec![false; rays.len()];
         rays.iter().for_each(|ray| digest.add_hit(tree.closest_hit(ray)));
