@@ -20,7 +20,7 @@ pub(super) fn measure(session: &Session<'_>, triangles: u32) -> Result<Vec<Scali
                 scene: SCENE.to_owned(),
                 triangles: scene.mesh.len() as u64,
                 tree: preset.name().to_owned(),
-                builds: time_builds(session, SCENE, &scene.mesh, preset)?,
+                builds: time_builds(session, SCENE, &scene.mesh, preset, session.options.builds)?,
             })
         })
         .collect()

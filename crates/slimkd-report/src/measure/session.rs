@@ -84,11 +84,13 @@ impl<'a> Session<'a> {
             weight,
         };
         let presets: Vec<_> = trees::presets(very_large);
+        // A build of the very large scene takes a minute or some: one tells enough.
+        let builds = if very_large { 1 } else { options.builds };
         let tree_units: Vec<_> = presets
             .iter()
             .map(|preset| {
-                let what = (slimkd::BuildOptions::from(*preset), &options.threads, options.builds);
-                unit(format!("tree-{}", preset.name()), &what, 2000 * options.builds as u64)
+                let what = (slimkd::BuildOptions::from(*preset), &options.threads, builds);
+                unit(format!("tree-{}", preset.name()), &what, 2000 * builds as u64)
             })
             .collect();
         let edge = options.frame_edge;
@@ -157,7 +159,7 @@ impl<'a> Session<'a> {
             pictures: Vec::new(),
         };
         for (preset, unit) in presets.iter().zip(&tree_units) {
-            let (degenerate, tree) = self.unit(unit, || trees::measure(self, &mut trees, *preset))?;
+            let (degenerate, tree) = self.unit(unit, || trees::measure(self, &mut trees, *preset, builds))?;
             out.degenerate = degenerate;
             out.trees.push(tree);
         }

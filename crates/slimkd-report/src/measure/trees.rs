@@ -84,16 +84,17 @@ pub(super) fn build(
     })
 }
 
-/// Builds as often and with as many threads as the options say.
+/// Builds so often with each number of threads that the options say.
 pub(super) fn time_builds(
     session: &Session<'_>,
     scene: &str,
     mesh: &Arc<TriangleMesh>,
     preset: Preset,
+    rounds: usize,
 ) -> Result<Vec<Build>, ReportError> {
     let mut builds: Vec<Build> =
         session.options.threads.iter().map(|&threads| Build { threads, seconds: Vec::new() }).collect();
-    for _ in 0..session.options.builds {
+    for _ in 0..rounds {
         for build_times in &mut builds {
             let mut options = BuildOptions::from(preset);
             options.threads = NonZeroUsize::new(build_times.threads);
@@ -105,15 +106,16 @@ pub(super) fn time_builds(
     Ok(builds)
 }
 
-/// Everything about a preset's tree; degenerate triangles first.
+/// Everything about a preset's tree, built so often; degenerate triangles first.
 pub(super) fn measure(
     session: &Session<'_>,
     trees: &mut Trees<'_>,
     preset: Preset,
+    rounds: usize,
 ) -> Result<(u64, Tree), ReportError> {
     trees.ensure(preset)?;
     let scene = trees.scene;
-    let builds = time_builds(session, &scene.name, &scene.mesh, preset)?;
+    let builds = time_builds(session, &scene.name, &scene.mesh, preset, rounds)?;
     let tree = trees.get(preset);
     let statistics = tree.statistics();
     let intervals = TreeStatistics::DUPLICATION_INTERVALS.iter().zip(&statistics.duplication);
