@@ -86,6 +86,7 @@ fn check<N: Nodes + Sync>(tree: &KdTree, nodes: N, progress: &Progress) -> Resul
     let (valid, _) = tree.mesh.valid_triangles();
     let size = tree.encoded.bytes() / 8 + listing.leaves.len() as u64 + valid.len() as u64;
     let left = AtomicI64::new(i64::try_from(STEPS * size).unwrap_or(i64::MAX));
+    progress.begin(1.0);
     let share = CHUNK as f64 / valid.len().max(1) as f64;
     let wrong = valid.par_chunks(CHUNK).find_map_first(|ids| {
         let mut walk = Walk::new(nodes, &listing);
@@ -107,7 +108,11 @@ fn check<N: Nodes + Sync>(tree: &KdTree, nodes: N, progress: &Progress) -> Resul
         progress.advance(share);
         None
     });
-    wrong.map_or(Ok(()), Err)
+    if let Some(error) = wrong {
+        return Err(error);
+    }
+    progress.finish();
+    Ok(())
 }
 
 /// The leaves that name each triangle, by their addresses, ascending.
