@@ -62,7 +62,10 @@ pub(super) fn parse(
     scene.materials = reader.materials(&mut textures, &mut scene.warnings);
     scene.textures = textures.list;
     let mut flat = Flat::new(&reader, bytes.len() as u64 + reader.buffers.total());
-    flat.walk(&mut scene, progress)?;
+    // Once to weigh, so that what is too much is refused before any of it takes memory.
+    flat.walk(&mut Scene::default(), &LoadProgress::new(), Flat::weigh)?;
+    flat.left = growth_limit(flat.input);
+    flat.walk(&mut scene, progress, Flat::primitive)?;
     flat.finish(scene)
 }
 
@@ -137,8 +140,13 @@ impl<'a> Flat<'a> {
         }
     }
 
-    /// Visits the default scene's nodes, parents before children, in the file's order.
-    fn walk(&mut self, scene: &mut Scene, progress: &LoadProgress) -> Result<(), LoadError> {
+    /// Visits the default scene's nodes, parents before children, in the file's order, and each primitive of their meshes.
+    fn walk(
+        &mut self,
+        scene: &mut Scene,
+        progress: &LoadProgress,
+        visit: fn(&mut Self, &Primitive, Place, &DMat4) -> Result<(), LoadError>,
+    ) -> Result<(), LoadError> {
         let root = self.reader.root;
         let chosen = root.scene.map_or(0, |scene| scene.value());
         let mut stack: Vec<(usize, DMat4)> = Vec::new();
@@ -185,7 +193,7 @@ impl<'a> Flat<'a> {
                 self.skinned |= node.skin.is_some();
                 for primitive in &mesh.primitives {
                     progress.reach(0.0)?;
-                    self.primitive(primitive, place, &world)?;
+                    visit(self, primitive, place, &world)?;
                 }
             }
             stack.extend(node.children.iter().flatten().rev().map(|child| (child.value(), world)));
@@ -202,6 +210,23 @@ impl<'a> Flat<'a> {
             fix: "split the scene",
         })?;
         Ok(())
+    }
+
+    /// Takes from the budget what [`Flat::primitive`] is sure to take; what else is wrong is left to that.
+    fn weigh(&mut self, primitive: &Primitive, _: Place, _: &DMat4) -> Result<(), LoadError> {
+        self.spend(PRIMITIVE)?;
+        let count = |index: usize| self.reader.count(index).unwrap_or(0);
+        let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions));
+        let vertices = positions.map_or(0, |index| count(index.value()));
+        let corners = primitive.indices.map_or(vertices, |index| count(index.value()));
+        match primitive.mode {
+            // As many triangles at least.
+            Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) if vertices > 0 => {
+                self.spend(vertices.saturating_mul(32))?;
+                self.spend((corners / 3).saturating_mul(40))
+            }
+            _ => Ok(()),
+        }
     }
 
     fn primitive(&mut self, primitive: &Primitive, place: Place, world: &DMat4) -> Result<(), LoadError> {
