@@ -4,8 +4,8 @@
 //! use slimkd_gpu::frame::GpuScene;
 //! use slimkd_gpu::{Device, UploadOptions};
 //! use slimkd_render::{RenderProgress, RenderSettings, Setup};
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! # let (scene, tree, camera): (slimkd_scene::Scene, slimkd::KdTree, slimkd_scene::Camera) = unimplemented!();
+//! # use {slimkd::KdTree, slimkd_scene::{Camera, Scene}};
+//! # fn show(scene: Scene, tree: KdTree, camera: Camera) -> Result<(), Box<dyn std::error::Error>> {
 //! let device = Device::open(None)?;
 //! let settings = RenderSettings::sized(640, 480);
 //! let setup = Setup::new(&scene, &tree, &camera, &scene.lights, &settings)?;
