@@ -10,7 +10,7 @@ pub fn summary(json: Json<'_>) -> Table {
         "summary",
         "In short",
         "Bytes a triangle that the tree adds to the indexed mesh, what that saves against standard, and how much longer \
-         pictures take: mean over the views on one thread, negative where faster.",
+         pictures take: mean over the views on the fewest threads measured, negative where faster.",
         &["scene", "triangles", "tree", "B/triangle", "saved, %", "slower, %", "build, × standard"],
     );
     for index in 0..json.list("/scenes").len() {

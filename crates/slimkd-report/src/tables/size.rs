@@ -123,8 +123,8 @@ pub fn very_large(json: Json<'_>) -> Table {
     let mut table = Table::new(
         "very-large",
         "The very large scene",
-        "Slower: mean over the views on one thread, against standard. The paper's scene is not public; ours is the built-in \
-         power plant.",
+        "Slower: mean over the views on the fewest threads measured, against standard; one in the paper. Its scene is not \
+         public; ours is the built-in power plant.",
         &["scene", "triangles, M", "tree", "tree, MiB", "saved, %", "slower, %"],
     );
     let scenes = json.list("/scenes").iter().enumerate().filter(|(_, scene)| scene["very_large"] == true);

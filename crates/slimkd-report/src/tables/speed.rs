@@ -20,14 +20,17 @@ fn frame(scene: &SceneJson<'_>, unit: usize, tree: usize) -> (Number, Number) {
     (median(tree), median(0))
 }
 
-/// Mean over the views on one thread.
+/// Mean over the views on the CPU, on the fewest threads that were measured.
 pub(super) fn mean_slower(scene: &SceneJson<'_>, tree: usize) -> Number {
-    let units = scene.json.list(&scene.at("/frames")).iter().enumerate();
-    let mut all =
-        units.filter(|(_, unit)| unit["threads"] == 1 && unit["device"] == "cpu").map(|(unit, _)| {
-            let (own, base) = frame(scene, unit, tree);
-            slower(&own, &base)
-        });
+    let on_cpu = || {
+        let units = scene.json.list(&scene.at("/frames")).iter().enumerate();
+        units.filter(|(_, unit)| unit["device"] == "cpu")
+    };
+    let fewest = on_cpu().filter_map(|(_, unit)| unit["threads"].as_u64()).min();
+    let mut all = on_cpu().filter(|(_, unit)| unit["threads"].as_u64() == fewest).map(|(unit, _)| {
+        let (own, base) = frame(scene, unit, tree);
+        slower(&own, &base)
+    });
     let Some(first) = all.next() else { return UNKNOWN.into() };
     let (sum, count) = all.fold((first, 1.0), |(sum, count), next| (sum + next, count + 1.0));
     sum / count.into()
