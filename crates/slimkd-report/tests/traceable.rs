@@ -112,6 +112,10 @@ fn every_number_is_computed_again() {
     let plots = fs::read_dir(folder.path().join("plots")).unwrap().count();
     assert_eq!(plots, html.matches("class=\"plot\"").count());
     assert_eq!(html.matches("<img").count(), html.matches("data:image/").count());
+    let on =
+        |scene: usize| json["scenes"][scene]["frames"].as_array().unwrap().iter().map(|unit| &unit["device"]);
+    assert!(on(0).any(|device| device == "gpu"));
+    assert!(on(1).count() > 0 && on(1).all(|device| device == "cpu"), "the very large scene is for the CPU");
     for word in
         ["published, Kitchen", "The very large scene", "Beside other libraries", "kitchen &lt;&amp;&gt;"]
     {

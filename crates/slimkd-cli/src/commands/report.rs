@@ -65,7 +65,7 @@ pub(crate) struct ReportArgs {
     /// Largest scene of the curve of build times; 0 leaves it out
     #[arg(long, value_name = "N")]
     scaling: Option<u32>,
-    /// Adds the built-in power plant of N triangles as the very large scene: 38.2 million takes 20 GB and an hour
+    /// Adds the built-in power plant of N triangles as the very large scene: 38.2 million takes 14 GB and twenty minutes
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = VERY_LARGE, value_parser = triangles)]
     very_large: Option<NonZeroU32>,
     /// Comparisons with other libraries, written by slimkd-bench --json

@@ -97,6 +97,8 @@ impl<'a> Session<'a> {
         let frame_units: Vec<_> = views
             .iter()
             .flat_map(|view| (0..self.devices.len()).map(move |device| (view, device)))
+            // As in the paper, whose very large scene has no rows of a GPU: most could not hold it.
+            .filter(|&(_, device)| !very_large || self.devices[device].name() == "cpu")
             .map(|(view, device)| {
                 let on = &self.devices[device];
                 let name = format!("frames-{}-{}-{}", view.number, on.name(), on.threads());
