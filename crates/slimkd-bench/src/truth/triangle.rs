@@ -6,10 +6,18 @@ use slimkd::{Aabb, Ray};
 /// What rounding t to f32 may add, relative.
 const ROUNDED: f64 = 4.0 / (1u64 << 24) as f64;
 
+/// What boxes are widened by, in what corners may move.
+const WIDEN: f64 = 4.0;
+
 /// The frame in which a ray runs along z.
 pub(super) struct Frame {
     pub(super) origin: [f64; 3],
     pub(super) direction: [f64; 3],
+    /// 1 over it, +∞ over both zeros.
+    pub(super) inverse: [f64; 3],
+    /// The origin above and below by what widens boxes: beyond what corners may move and f64 rounds.
+    pub(super) above: [f64; 3],
+    pub(super) below: [f64; 3],
     pub(super) t_min: f64,
     pub(super) t_max: f64,
     axes: [usize; 3],
@@ -38,24 +46,36 @@ impl Frame {
             let (low, high) = (f64::from(bounds.min[k]) - origin[k], f64::from(bounds.max[k]) - origin[k]);
             reach = reach.max(low.abs()).max(high.abs());
         }
+        let corner = CORNER * reach;
         Self {
             origin,
             direction,
+            inverse: direction.map(|d| if d == 0.0 { f64::INFINITY } else { 1.0 / d }),
+            above: origin.map(|x| x + WIDEN * corner),
+            below: origin.map(|x| x - WIDEN * corner),
             t_min: ray.t_min.into(),
             t_max: ray.t_max.into(),
             axes: [x, y, z],
             slope: [direction[x] / direction[z], direction[y] / direction[z]],
-            corner: CORNER * reach,
+            corner,
         }
     }
 
     /// Whether and where the ray's line may hit a triangle.
     pub(super) fn candidate(&self, corners: &[[f32; 3]; 3]) -> Option<Possible> {
         let [kx, ky, kz] = self.axes;
-        let [a, b, c] = corners.map(|corner| {
-            let p: [f64; 3] = std::array::from_fn(|k| f64::from(corner[k]) - self.origin[k]);
-            [p[kx] - self.slope[0] * p[kz], p[ky] - self.slope[1] * p[kz], p[kz]]
-        });
+        let seen = |[x, y, z]: [f64; 3]| [x - self.slope[0] * z, y - self.slope[1] * z, z];
+        let at = |corner: &[f32; 3], k: usize| f64::from(corner[k]) - self.origin[k];
+        let seen = |corner| seen([at(corner, kx), at(corner, ky), at(corner, kz)]);
+        let [a, b, c] = [seen(&corners[0]), seen(&corners[1]), seen(&corners[2])];
+        // All on one side, and not near: most triangles.
+        let far = 2.0 * self.corner;
+        for k in 0..2 {
+            let (low, high) = (a[k].min(b[k]).min(c[k]), a[k].max(b[k]).max(c[k]));
+            if low > far || high < -far {
+                return None;
+            }
+        }
         let weights = [cross(c, b), cross(a, c), cross(b, a)];
         let area = weights.iter().sum::<f64>();
         let inside = weights.iter().all(|&w| w > 0.0) || weights.iter().all(|&w| w < 0.0);
@@ -99,5 +119,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     let e = sub(b, a);
     let square = e[0] * e[0] + e[1] * e[1];
     let at = if square > 0.0 { (-(a[0] * e[0] + a[1] * e[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
-    (a[0] + at * e[0]).hypot(a[1] + at * e[1])
+    let (x, y) = (a[0] + at * e[0], a[1] + at * e[1]);
+    // Squares of what f32 holds are far from the ends of f64.
+    (x * x + y * y).sqrt()
 }
