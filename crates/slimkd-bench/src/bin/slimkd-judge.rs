@@ -3,7 +3,7 @@
 use anyhow::{Result, ensure};
 use clap::Parser;
 use rayon::prelude::*;
-use slimkd::{BuildOptions, Hit, KdTree, Preset, Ray};
+use slimkd::{BuildOptions, Hit, KdTree, Preset, Ray, TriangleMesh};
 use slimkd_bench::args::Args as BenchArgs;
 use slimkd_bench::scene;
 use slimkd_bench::truth::{Truth, Verdicts};
@@ -12,6 +12,12 @@ use std::process::ExitCode;
 
 /// Rays of a batch.
 const PIECE: usize = 4096;
+/// Pixels along one side of the picture that tells how many camera rays hit something.
+const PILOT: usize = 256;
+/// Camera rays beyond what that picture says are needed.
+const MARGIN: f64 = 1.01;
+/// Pixels along one side of a picture, at most: 3 GB of rays.
+const MOST: f64 = 10_000.0;
 
 /// Traces rays of every kind through every kernel, with presets standard and slim. All must give the same hits, bit by
 /// bit, and an independent judge in f64 must find none missing and none invented. See docs/testing.md.
@@ -20,7 +26,7 @@ const PIECE: usize = 4096;
 struct Args {
     /// A scene file or the name of a built-in scene
     scene: String,
-    /// Rays of each kind, about
+    /// Rays of each kind, at least: as many camera rays as it takes for that many to hit something
     #[arg(long, default_value_t = 10_000_000)]
     rays: usize,
     /// Seed of bounce and random rays
@@ -42,13 +48,13 @@ fn main() -> ExitCode {
 /// Whether all is right.
 fn work(args: &Args) -> Result<bool> {
     ensure!(args.rays > 0, "--rays must be at least 1");
-    let size = (args.rays as f64).sqrt().ceil() as usize;
     let bench = BenchArgs::try_parse_from(["slimkd-judge", &args.scene])?;
     let scene = scene::open(&bench)?;
     let build = |preset| KdTree::build(scene.mesh.clone(), &BuildOptions::from(preset));
     let trees = [build(Preset::Standard)?, build(Preset::Slim)?];
     let view = scene::view(&bench, &scene, &trees[0])?;
-    let recipe = Recipe { view, size, random_rays: args.rays, seed: args.seed };
+    let recipe = Recipe { view, size: PILOT, random_rays: args.rays, seed: args.seed };
+    let recipe = Recipe { size: picture_size(&scene.mesh, &trees[0], &recipe)?, ..recipe };
     let truth = Truth::new(&scene.mesh);
     let mut right = true;
     println!("| scene | rays | traced | hits | kernels differ | borderline | invented | missing |");
@@ -76,6 +82,16 @@ fn work(args: &Args) -> Result<bool> {
         );
     }
     Ok(right)
+}
+
+/// Pixels along one side of a picture on which enough camera rays hit something: shadow and bounce rays begin there.
+fn picture_size(mesh: &TriangleMesh, tree: &KdTree, pilot: &Recipe) -> Result<usize> {
+    let rays = generate(mesh, tree, pilot, &[Kind::Primary]).workloads.swap_remove(0).rays;
+    let hits = rays.iter().filter(|ray| tree.any_hit(ray)).count();
+    ensure!(hits > 0, "the camera sees nothing of this scene");
+    let needed = (MARGIN * pilot.random_rays as f64 * rays.len() as f64 / hits as f64).sqrt().ceil();
+    ensure!(needed <= MOST, "the camera sees too little of this scene: name fewer rays");
+    Ok(needed as usize)
 }
 
 /// Rays on which some kernel or preset differs from single rays through the first tree, and the verdicts on those.

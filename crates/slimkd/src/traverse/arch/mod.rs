@@ -323,3 +323,16 @@ macro_rules! methods {
 }
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 use methods;
+
+/// Asks for the cache line at an address, which may be any: a hint, and nothing where there is none.
+#[inline(always)]
+pub(crate) fn prefetch<T>(at: *const T) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        // SAFETY: SSE is part of x86-64; a prefetch reads nothing that could be seen.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(at.cast()) };
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = at;
+}

@@ -5,7 +5,7 @@
 
 use crate::geometry::{Aabb, Ray};
 use crate::traverse::Planes;
-use crate::traverse::arch::Simd;
+use crate::traverse::arch::{Simd, prefetch};
 use crate::traverse::prepared::{LEAST, LEAST_SCALED, PARALLEL, QUARTER_SLACK};
 
 /// Lanes of one vector.
@@ -153,6 +153,9 @@ impl<S: Simd, const G: usize> Group<S, G> {
         classes: &mut Classes,
     ) {
         let [ox, oy, oz, dx, dy, dz, t_min, t_max] = s.columns(records);
+        // The next group's, two rays a line: they arrive while this one is traced.
+        let next = records.as_ptr().wrapping_add(G * WIDTH);
+        (0..WIDTH).step_by(2).for_each(|ray| prefetch(next.wrapping_add(ray)));
         let (origin, direction) = ([ox, oy, oz], [dx, dy, dz]);
         let at = g * WIDTH;
 

@@ -4,7 +4,7 @@
 
 use super::answers::Answers;
 use crate::geometry::{Aabb, Ray};
-use crate::traverse::arch::Simd;
+use crate::traverse::arch::{Simd, prefetch};
 use crate::traverse::prepared::{LEAST, LEAST_SCALED, PARALLEL, Planes, QUARTER_SLACK};
 use std::mem::offset_of;
 
@@ -102,6 +102,9 @@ impl Prepared {
             *number = lane.min(count - 1) as u32;
         }
         let numbers = s.load_u32(&numbers);
+        // The next 16, two rays a line: they arrive while these are traced.
+        let next = rest.as_ptr().wrapping_add(16);
+        (0..16).step_by(2).for_each(|ray| prefetch(next.wrapping_add(ray)));
         // SAFETY: the numbers are below the length of `rest`; a ray is two rows of 16 bytes, see above.
         let ([ox, oy, oz, dx], [dy, dz, t_min, t_max]) = unsafe {
             let base = rest.as_ptr().cast::<u8>();
