@@ -2,6 +2,7 @@
 
 use crate::args::CameraArgs;
 use crate::failure::Failure;
+use crate::scenes::Loaded;
 use slimkd::KdTree;
 use slimkd_render::views;
 use slimkd_scene::{Camera, Scene};
@@ -26,7 +27,7 @@ pub(crate) fn settle_up(args: &CameraArgs, scene: &mut Scene) {
 /// The view that is named, or else the first `count`. Up is settled by then.
 pub(crate) fn choose(
     args: &CameraArgs,
-    scene: &Scene,
+    Loaded { scene, place, .. }: &Loaded,
     tree: &KdTree,
     count: usize,
 ) -> Result<Vec<View>, Failure> {
@@ -41,7 +42,7 @@ pub(crate) fn choose(
         views.filter(|view| args.view.is_none_or(|named| view.number == usize::from(named))).collect();
     if views.is_empty() {
         let what = "found no such view of it; give one with --camera";
-        return Err(Failure::work(format_args!("{}: {what}", scene.name)));
+        return Err(Failure::work(format_args!("{place}: {what}")));
     }
     Ok(views)
 }

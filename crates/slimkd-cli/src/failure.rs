@@ -31,6 +31,11 @@ impl Failure {
         Self::Work(one_line(&what.to_string()))
     }
 
+    /// Wrong usage in one line.
+    pub(crate) fn usage(what: impl fmt::Display) -> Self {
+        Self::Usage(one_line(&what.to_string()))
+    }
+
     /// A failure of the work on `path`.
     pub(crate) fn at(path: &std::path::Path, what: impl fmt::Display) -> Self {
         Self::work(format_args!("{}: {what}", path.display()))

@@ -65,8 +65,15 @@ fn explain(error: &clap::Error) -> ExitCode {
     let text = error.to_string();
     // The first paragraphs say what is wrong and what would be right; the usage line would only bury them.
     let lines = text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
-    let what = lines.map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
-    let what = what.strip_prefix("error: ").unwrap_or(&what);
+    let mut what = String::new();
+    for line in lines.map(str::trim).filter(|line| !line.is_empty()) {
+        let (between, line) = match line.strip_prefix("tip: ") {
+            Some(tip) => ("; ", tip),
+            None => (" ", line.strip_prefix("error: ").unwrap_or(line)),
+        };
+        what.push_str(if what.is_empty() { "" } else { between });
+        what.push_str(line);
+    }
     end(&Failure::Usage(format!("{what}; see --help")))
 }
 

@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::interrupt::{self, Interruptible};
 use std::fs::{self, File, OpenOptions};
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
@@ -39,6 +39,14 @@ impl Output {
             drop(output.beside()?);
         }
         Ok(output)
+    }
+
+    /// Refuses to write over what is read. Devices and pipes keep what they hold.
+    pub(crate) fn apart_from<'a>(self, inputs: impl IntoIterator<Item = &'a Path>) -> Result<Self, Failure> {
+        match inputs.into_iter().find(|input| self.replaceable && is_same(&self.target, input)) {
+            Some(input) => Err(overwritten(&self.target, input)),
+            None => Ok(self),
+        }
     }
 
     /// The file's name as it will be.
@@ -116,14 +124,31 @@ fn sync_folder(path: &Path) {
 
 /// The error for a target that the operating system refuses.
 pub(crate) fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
-    // tempfile adds the temporary file's path to the message; only the cause concerns the user.
-    let cause = error.raw_os_error().map_or_else(|| error.to_string(), os_message);
-    Failure::at(path, format_args!("cannot write: {cause}; choose another place"))
+    let text = error.to_string();
+    // tempfile adds the temporary file's path behind the number; only the cause concerns the user.
+    let cause = match text.split_once(" (os error") {
+        Some((cause, _)) => cause.to_lowercase(),
+        None => text,
+    };
+    let fix = match error.kind() {
+        ErrorKind::NotFound => "make its folder first, or choose another place",
+        _ => "choose another place",
+    };
+    Failure::at(path, format_args!("cannot write: {cause}; {fix}"))
 }
 
-fn os_message(code: i32) -> String {
-    let text = std::io::Error::from_raw_os_error(code).to_string();
-    text.split(" (os error").next().unwrap_or(&text).to_lowercase()
+/// The error for an output that is an input.
+pub(crate) fn overwritten(output: &Path, input: &Path) -> Failure {
+    Failure::usage(format_args!(
+        "{}: would overwrite the input {}; name another file",
+        output.display(),
+        input.display()
+    ))
+}
+
+/// Whether both are there and one file, whatever they are called.
+pub(crate) fn is_same(a: &Path, b: &Path) -> bool {
+    fs::canonicalize(a).is_ok_and(|a| fs::canonicalize(b).is_ok_and(|b| a == b))
 }
 
 #[cfg(test)]
@@ -182,6 +207,20 @@ mod tests {
         {
             let failure = Output::prepare(&path).unwrap_err();
             assert_eq!(failure.status(), 1, "{failure}");
+            assert!(!failure.to_string().contains(".part"), "{failure}");
         }
+    }
+
+    #[test]
+    fn an_input_is_no_output() {
+        let folder = tempfile::tempdir().unwrap();
+        let (a, b) = (folder.path().join("a"), folder.path().join("b"));
+        fs::write(&a, b"in").unwrap();
+        let refused = |output: &Path, input: &Path| {
+            Output::prepare(output).unwrap().apart_from([input]).is_err_and(|failure| failure.status() == 2)
+        };
+        assert!(refused(&a, &a) && refused(&folder.path().join("./a"), &a));
+        assert!(!refused(&b, &a) && !refused(&b, &b));
+        assert!(!refused(Path::new("/dev/null"), Path::new("/dev/null")));
     }
 }

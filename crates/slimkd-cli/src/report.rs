@@ -4,7 +4,7 @@ use crate::savings::Savings;
 use crate::trees::{Tree, thread_count};
 use crate::ui::{bytes, grouped};
 use serde::Serialize;
-use slimkd::{BuildOptions, HoistAlgorithm, Layout, MemoryReport, TreeStatistics};
+use slimkd::{HoistAlgorithm, Layout, MemoryReport, TreeStatistics};
 use std::fmt::Write;
 use std::num::NonZeroUsize;
 
@@ -141,7 +141,7 @@ impl Report {
             tree_bytes_per_triangle: memory.tree() as f64 / triangles.max(1) as f64,
             max_depth,
             sah_cost,
-            seconds: Seconds { load: tree.load_seconds, build: tree.cost.map(|cost| cost.seconds) },
+            seconds: Seconds { load: tree.origin.load_seconds, build: tree.cost.map(|cost| cost.seconds) },
             savings: None,
         }
     }
@@ -160,7 +160,7 @@ impl Report {
             "scene",
             format!(
                 "{}: {} triangles ({} degenerate), {} vertices",
-                tree.name,
+                tree.origin.name,
                 grouped(scene.triangles),
                 grouped(scene.degenerate),
                 grouped(scene.vertices)
@@ -173,7 +173,7 @@ impl Report {
                 self.preset, sah.traversal, sah.intersection, sah.empty_bonus
             ),
         );
-        rows.add("options", choices(tree.tree.options()));
+        rows.add("options", choices(tree));
         rows.add(
             "nodes",
             format!(
@@ -224,7 +224,8 @@ impl Report {
 }
 
 /// What a tree was built with, costs aside.
-fn choices(options: &BuildOptions) -> String {
+fn choices(tree: &Tree) -> String {
+    let options = tree.tree.options();
     let mut out = match &options.hoisting {
         None => "no hoisting".to_owned(),
         Some(hoisting) => format!(
@@ -249,6 +250,10 @@ fn choices(options: &BuildOptions) -> String {
     out.push_str(match options.layout {
         Layout::FourByte => ", 4-byte leaves alone",
         Layout::TwoByte => ", 2-byte leaves",
+        // Whatever the dense layout cannot hold is written like that.
+        Layout::Dense if tree.statistics.leaf_references.other == 0 => {
+            ", 2-byte leaves (the dense layout cannot hold it)"
+        }
         _ => ", dense layout",
     });
     out

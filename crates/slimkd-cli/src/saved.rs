@@ -4,8 +4,9 @@ use crate::args::SceneDetails;
 use crate::failure::Failure;
 use crate::interrupt::Interruptible;
 use crate::scenes::{self, Loaded};
-use crate::ui::Ui;
+use crate::ui::{Ui, grouped};
 use memmap2::Mmap;
+use slimkd::tree::FileError;
 use slimkd::{KdTree, OpenTree};
 use slimkd_scene::{Material, Scene};
 use std::fs::File;
@@ -42,7 +43,7 @@ pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded
         Some(given) => KdTree::read_with_mesh(&mut file, Arc::clone(&given.scene.mesh)),
         None => KdTree::read(&mut file),
     }
-    .map_err(|error| Failure::at(path, error))?;
+    .map_err(|error| unread(path, &error, "give it with --mesh FILE"))?;
     let (mut scene, before) = match given {
         Some(given) => (given.scene, given.seconds),
         None => {
@@ -51,7 +52,8 @@ pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded
         }
     };
     scene.name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(Loaded { scene, seconds: before + started.elapsed().as_secs_f64(), tree: Some(tree) })
+    let place = path.display().to_string();
+    Ok(Loaded { scene, place, seconds: before + started.elapsed().as_secs_f64(), tree: Some(tree) })
 }
 
 /// Maps a tree into memory and proves nothing of it but its table: ready at once.
@@ -61,7 +63,21 @@ pub(crate) fn map(path: &Path) -> Result<OpenTree<Mmap>, Failure> {
     // place. `OpenTree` believes none of them, copies what it decides by, and checks every access.
     let bytes = unsafe { Mmap::map(&file) }
         .map_err(|error| Failure::at(path, format_args!("cannot map: {error}; leave out --no-verify")))?;
-    OpenTree::open(bytes).map_err(|error| Failure::at(path, error))
+    OpenTree::open(bytes)
+        .map_err(|error| unread(path, &error, "leave out --no-verify and give it with --mesh FILE"))
+}
+
+/// The error for a tree that cannot be used; `with_mesh` says how the command line gets at a mesh that is not inside.
+fn unread(path: &Path, error: &FileError, with_mesh: &str) -> Failure {
+    match error {
+        FileError::MeshMissing { vertices, triangles } => {
+            let (vertices, triangles) = (grouped(*vertices), grouped(*triangles));
+            let what =
+                format_args!("saved without its mesh of {vertices} vertices and {triangles} triangles");
+            Failure::at(path, format_args!("{what}; {with_mesh}"))
+        }
+        other => Failure::at(path, other),
+    }
 }
 
 /// Opens a regular file: a pipe could block for ever.

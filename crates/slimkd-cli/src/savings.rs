@@ -27,7 +27,7 @@ impl Savings {
     /// Builds what `tree` is compared with.
     pub(crate) fn measure(tree: &Tree, options: &BuildOptions, ui: Ui) -> Result<Self, Failure> {
         let size = |options: &BuildOptions| {
-            let other = trees::build(&tree.name, tree.tree.mesh(), tree.load_seconds, options, ui)?;
+            let other = trees::build(&tree.origin, tree.tree.mesh(), options, ui)?;
             Ok::<_, Failure>(other.tree.memory().tree())
         };
         let mut without_collapse = options.clone();

@@ -4,11 +4,13 @@ use crate::args::SceneDetails;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::saved::{self, is_saved};
-use crate::ui::{Ui, Watched};
+use crate::trees::Origin;
+use crate::ui::{Ui, Watched, grouped};
 use slimkd::KdTree;
 use slimkd_scene::procedural::{self, BuiltIn};
-use slimkd_scene::{LoadError, LoadProgress, Scene};
+use slimkd_scene::{FileKind, LoadError, LoadProgress, Scene};
 use std::fmt::Write;
+use std::fs::File;
 use std::num::NonZeroU32;
 use std::path::Path;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -21,10 +23,19 @@ const TICK: Duration = Duration::from_millis(50);
 pub(crate) struct Loaded {
     /// The scene.
     pub(crate) scene: Scene,
+    /// Its path as it was given, or the built-in scene's name: what messages call it.
+    pub(crate) place: String,
     /// Wall time, s.
     pub(crate) seconds: f64,
     /// Its tree, where that was saved.
     pub(crate) tree: Option<KdTree>,
+}
+
+impl Loaded {
+    /// What its trees say of it.
+    pub(crate) fn origin(&self) -> Origin {
+        Origin { name: self.scene.name.clone(), place: self.place.clone(), load_seconds: self.seconds }
+    }
 }
 
 impl Watched for LoadProgress {
@@ -46,8 +57,8 @@ pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded
         let what = "only a saved tree takes a --mesh; leave it out";
         return Err(Failure::Usage(format!("{}: {what}", path.display())));
     }
-    if let Some(found) = path.to_str().and_then(procedural::find) {
-        return generate(found, details.triangles);
+    if let Some(found) = find(path) {
+        return generate(found, details.triangles, ui);
     }
     if details.triangles.is_some() {
         return Err(fixed_size(path));
@@ -65,12 +76,42 @@ pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded
             }
             other => Failure::at(path, other),
         })?;
-    Ok(Loaded { scene, seconds: started.elapsed().as_secs_f64(), tree: None })
+    let place = path.display().to_string();
+    Ok(Loaded { scene, place, seconds: started.elapsed().as_secs_f64(), tree: None })
+}
+
+/// Refuses what [`load`] would refuse unread.
+pub(crate) fn check(path: &Path) -> Result<(), Failure> {
+    if find(path).is_some() {
+        return Ok(());
+    }
+    let unreadable = |source| Failure::work(LoadError::Read { path: path.to_owned(), source });
+    if !path.exists() {
+        return Err(unknown(path));
+    }
+    if !path.is_dir() && FileKind::of(path).is_none() {
+        return Err(Failure::work(LoadError::UnknownFormat { path: path.to_owned() }));
+    }
+    // Not opened before: a pipe could block for ever.
+    if !path.metadata().map_err(unreadable)?.is_file() {
+        return Err(Failure::work(LoadError::NotAFile { path: path.to_owned() }));
+    }
+    File::open(path).map(drop).map_err(unreadable)
+}
+
+/// The files among what is read, which no output may be.
+pub(crate) fn files<'a>(scene: &'a Path, details: &'a SceneDetails) -> impl Iterator<Item = &'a Path> {
+    [Some(scene), details.mesh.as_deref()].into_iter().flatten().filter(|path| find(path).is_none())
+}
+
+/// The built-in scene of that name.
+pub(crate) fn find(path: &Path) -> Option<&'static BuiltIn> {
+    path.to_str().and_then(procedural::find)
 }
 
 /// Generates the built-in scene `name`.
-pub(crate) fn built_in(name: &str, triangles: Option<NonZeroU32>) -> Result<Loaded, Failure> {
-    generate(procedural::find(name).ok_or_else(|| unknown(Path::new(name)))?, triangles)
+pub(crate) fn built_in(name: &str, triangles: Option<NonZeroU32>, ui: Ui) -> Result<Loaded, Failure> {
+    generate(procedural::find(name).ok_or_else(|| unknown(Path::new(name)))?, triangles, ui)
 }
 
 /// The built-in scenes as a table.
@@ -78,7 +119,7 @@ pub(crate) fn list() -> String {
     let mut out = String::new();
     let width = procedural::list().iter().map(|scene| scene.name.len()).max().unwrap_or(0);
     for BuiltIn { name, description, triangles, .. } in procedural::list() {
-        let triangles = crate::ui::grouped(*triangles as u64);
+        let triangles = grouped(*triangles as u64);
         let _ = writeln!(out, "{name:width$}  {triangles:>10} triangles  {description}");
     }
     out
@@ -102,8 +143,8 @@ fn unknown(path: &Path) -> Failure {
 }
 
 /// Generation cannot be cancelled: on Ctrl-C its thread is left behind, and ends with the process.
-fn generate(found: &'static BuiltIn, triangles: Option<NonZeroU32>) -> Result<Loaded, Failure> {
-    let triangles = triangles.map_or(found.triangles, |count| count.get() as usize);
+fn generate(found: &'static BuiltIn, asked: Option<NonZeroU32>, ui: Ui) -> Result<Loaded, Failure> {
+    let triangles = asked.map_or(found.triangles, |count| count.get() as usize);
     let started = Instant::now();
     let (done, scenes) = channel();
     std::thread::spawn(move || {
@@ -120,5 +161,10 @@ fn generate(found: &'static BuiltIn, triangles: Option<NonZeroU32>) -> Result<Lo
     let scene = scene.ok_or_else(|| {
         Failure::work(format_args!("{}: no such scene of {triangles} triangles; ask for fewer", found.name))
     })?;
-    Ok(Loaded { scene, seconds: started.elapsed().as_secs_f64(), tree: None })
+    if scene.mesh.len() > triangles {
+        let (fewest, asked) = (grouped(scene.mesh.len() as u64), grouped(triangles as u64));
+        ui.note(format_args!("{}: {fewest} triangles, the fewest that it can have, not {asked}", found.name));
+    }
+    let place = found.name.to_owned();
+    Ok(Loaded { scene, place, seconds: started.elapsed().as_secs_f64(), tree: None })
 }

@@ -1,12 +1,15 @@
 //! From a scene to a tree, or a tree from its file, with everything that reports say about it.
 
 use crate::allocator::Watermark;
-use crate::args::TreeArgs;
+use crate::args::{TreeArgs, listed};
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::scenes::Loaded;
 use crate::ui::{Ui, grouped};
-use slimkd::{BuildError, BuildOptions, CompletenessError, KdTree, Progress, TreeStatistics, TriangleMesh};
+use slimkd::{
+    BuildError, BuildOptions, CompletenessError, KdTree, Layout, Preset, Progress, TreeStatistics,
+    TriangleMesh,
+};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::time::Instant;
@@ -20,17 +23,26 @@ pub(crate) struct Cost {
     pub(crate) peak: u64,
 }
 
+/// What a tree is of.
+#[derive(Clone, Debug)]
+pub(crate) struct Origin {
+    /// The scene's name, for tables.
+    pub(crate) name: String,
+    /// Its path as it was given, or the built-in scene's name: what messages call it.
+    pub(crate) place: String,
+    /// Wall time of reading the scene or the tree, s.
+    pub(crate) load_seconds: f64,
+}
+
 /// A tree that something can be hit in.
 #[derive(Debug)]
 pub(crate) struct Tree {
-    /// Scene's name, for people.
-    pub(crate) name: String,
+    /// What it is of.
+    pub(crate) origin: Origin,
     /// The tree itself.
     pub(crate) tree: KdTree,
     /// Its shape.
     pub(crate) statistics: TreeStatistics,
-    /// Wall time of reading the scene or the tree, s.
-    pub(crate) load_seconds: f64,
     /// What the build took; `None` for a tree that was read.
     pub(crate) cost: Option<Cost>,
 }
@@ -48,11 +60,10 @@ pub(crate) fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
         .map_err(|error| Failure::work(format_args!("{threads} threads: {error}; give fewer with --threads")))
 }
 
-/// Builds the tree of a mesh; `name` and `load_seconds` are the scene's.
+/// Builds the tree of a mesh.
 pub(crate) fn build(
-    name: &str,
+    origin: &Origin,
     mesh: &Arc<TriangleMesh>,
-    load_seconds: f64,
     options: &BuildOptions,
     ui: Ui,
 ) -> Result<Tree, Failure> {
@@ -65,26 +76,48 @@ pub(crate) fn build(
     let cost = Cost { seconds: started.elapsed().as_secs_f64(), peak: mark.peak() };
     let tree = tree.map_err(|error| match error {
         BuildError::Cancelled => Failure::Interrupted,
-        other => Failure::work(format_args!("{name}: {other}")),
+        other => Failure::work(format_args!("{}: {other}{}", origin.place, advice(&other, options))),
     })?;
-    usable(Tree {
-        name: name.to_owned(),
-        statistics: tree.statistics(),
-        tree,
-        load_seconds,
-        cost: Some(cost),
-    })
+    usable(Tree { origin: origin.clone(), statistics: tree.statistics(), tree, cost: Some(cost) })
+}
+
+/// What else the command line could say; only what it does not say yet.
+fn advice(error: &BuildError, options: &BuildOptions) -> String {
+    let is_small = matches!(options.preset, Preset::Slim | Preset::Tiny);
+    let smaller = if is_small { "" } else { ", or use the preset slim or tiny" };
+    match error {
+        BuildError::TreeTooLarge { .. } => {
+            let dense = match (options.layout, &options.hoisting) {
+                (Layout::Dense, _) => "",
+                (_, None) => ", or take --layout dense",
+                (_, Some(_)) => ", or take --layout dense and a preset without hoisting",
+            };
+            format!(" with --max-tree-bytes{dense}")
+        }
+        BuildError::BuildTooLarge { .. } => format!(" with --max-build-bytes{smaller}"),
+        BuildError::OutOfMemory { .. } => smaller.to_owned(),
+        _ => String::new(),
+    }
 }
 
 /// The scene's saved tree, or else the one that is built for it.
 pub(crate) fn take_or_build(loaded: &mut Loaded, args: &TreeArgs, ui: Ui) -> Result<Tree, Failure> {
     let Some(tree) = loaded.tree.take() else {
-        return build(&loaded.scene.name, &loaded.scene.mesh, loaded.seconds, &args.options(), ui);
+        return build(&loaded.origin(), &loaded.scene.mesh, &args.options(), ui);
     };
-    if args.is_given() {
-        ui.warn(format_args!("{}: a saved tree keeps the options that it was built with", loaded.scene.name));
-    }
-    saved(&loaded.scene.name, tree, loaded.seconds)
+    warn_of_ignored(&loaded.place, &args.given(), ui);
+    saved(loaded.origin(), tree)
+}
+
+/// Says which of the options that were given have no effect on a saved tree.
+pub(crate) fn warn_of_ignored(place: &str, given: &[&str], ui: Ui) {
+    let is = match given {
+        [] => return,
+        [_] => "is",
+        _ => "are",
+    };
+    let what = "a saved tree keeps the options that it was built with";
+    ui.warn(format_args!("{place}: {} {is} ignored: {what}", listed(given)));
 }
 
 /// Proves that the tree answers rays as brute force does, whoever made its file.
@@ -93,15 +126,15 @@ pub(crate) fn prove_complete(tree: &Tree, pool: &rayon::ThreadPool, ui: Ui) -> R
     let proved = ui.watch("prove", &progress, || pool.install(|| tree.tree.check_complete(&progress)));
     proved.map_err(|error| match error {
         CompletenessError::Cancelled => Failure::Interrupted,
-        other => Failure::work(format_args!("{}: {other}", tree.name)),
+        other => Failure::work(format_args!("{}: {other}", tree.origin.place)),
     })?;
-    ui.note(format_args!("{}: complete, no triangle is missing from any leaf", tree.name));
+    ui.note(format_args!("{}: complete, no triangle is missing from any leaf", tree.origin.place));
     Ok(())
 }
 
 /// A tree that was read.
-pub(crate) fn saved(name: &str, tree: KdTree, load_seconds: f64) -> Result<Tree, Failure> {
-    usable(Tree { name: name.to_owned(), statistics: tree.statistics(), tree, load_seconds, cost: None })
+pub(crate) fn saved(origin: Origin, tree: KdTree) -> Result<Tree, Failure> {
+    usable(Tree { origin, statistics: tree.statistics(), tree, cost: None })
 }
 
 /// Refuses a tree in which nothing can ever be hit.
@@ -114,7 +147,10 @@ fn usable(tree: Tree) -> Result<Tree, Failure> {
         0 => "there is no triangle in it".to_owned(),
         n => format!("all {} triangles are collinear or not finite", grouped(n)),
     };
-    Err(Failure::work(format_args!("{}: {what}; export the scene's surfaces as triangles", tree.name)))
+    Err(Failure::work(format_args!(
+        "{}: {what}; export the scene's surfaces as triangles",
+        tree.origin.place
+    )))
 }
 
 /// Says how many triangles can never be hit.

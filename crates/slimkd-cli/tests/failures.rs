@@ -2,7 +2,8 @@
 
 mod common;
 
-use common::{Tool, ply, square};
+use common::{Tool, ply, ray_file, square};
+use slimkd::Ray;
 
 const SCENE_COMMANDS: &[&str] = &[
     "build {} --json",
@@ -65,11 +66,11 @@ fn lies_about_counts_and_indices() {
 fn scenes_without_a_valid_triangle() {
     let tool = Tool::new();
     tool.file("none.ply", ply(&["0 0 0"], &[]));
-    refused(&tool, "none.ply", &["none", "no triangle"]);
+    refused(&tool, "none.ply", &["none.ply: ", "no triangle"]);
     tool.file("line.ply", ply(&["0 0 0", "1 1 1", "2 2 2"], &["3 0 1 2", "3 0 0 1"]));
-    refused(&tool, "line.ply", &["line", "all 2 triangles are collinear or not finite"]);
+    refused(&tool, "./line.ply", &["./line.ply: all 2 triangles are collinear or not finite"]);
     tool.file("nan.ply", ply(&["nan 0 0", "1 1 1", "2 2 2"], &["3 0 1 2"]));
-    refused(&tool, "nan.ply", &["nan", "all 1 triangles are collinear or not finite"]);
+    refused(&tool, "nan.ply", &["nan.ply: all 1 triangles are collinear or not finite"]);
 }
 
 #[test]
@@ -112,10 +113,124 @@ fn outputs_are_checked_before_the_work() {
         tool.fails(&format!("build missing.ply -o {place}.skd"), 1, &[place, "cannot write"]);
         tool.fails(&format!("render missing.ply -o {place}.png"), 1, &[place, "cannot write"]);
         tool.fails(&format!("trace missing.ply --rays rays.f32 --out {place}"), 1, &[place, "cannot write"]);
-        tool.fails(&format!("scene kitchen -o {place}.ply"), 1, &[place, "cannot write"]);
+        let run = tool.fails(&format!("scene kitchen -o {place}.ply"), 1, &[place, "cannot write"]);
+        assert!(!run.stderr.contains(".part"), "{}", run.stderr);
     }
-    tool.fails("render square.ply -o picture.jpg", 1, &["picture.jpg", ".png"]);
+    tool.fails(
+        "build missing.ply -o none/a.skd",
+        1,
+        &["none/a.skd: cannot write: no such file", "make its folder"],
+    );
     assert_eq!(tool.files(), before);
+}
+
+#[test]
+fn names_say_what_is_written() {
+    let tool = Tool::new();
+    tool.file("square.ply", square());
+    for name in ["square.ply", "other.ply", "tree", "tree.skd.gz", "."] {
+        tool.fails(&format!("build square.ply -o {name}"), 2, &[name, "end the name in .skd"]);
+    }
+    tool.fails("render square.ply -o picture.jpg", 2, &["picture.jpg", ".png"]);
+    tool.fails("scene kitchen -o a.obj", 2, &["a.obj", ".ply"]);
+    assert_eq!(tool.files().len(), 1);
+    assert_eq!(std::fs::read(tool.path("square.ply")).unwrap(), square().as_bytes());
+    tool.ok("build square.ply -o TREE.SKD");
+}
+
+#[test]
+fn inputs_are_never_overwritten() {
+    let tool = Tool::new();
+    tool.file("square.ply", square());
+    ray_file(&tool.path("rays.f32"), &[Ray::new([0.5, 0.5, 1.0], [0.0, 0.0, -1.0])]);
+    tool.ok("build square.ply -o tree.skd");
+    tool.ok("build square.ply -o alone.skd --no-mesh");
+    std::fs::create_dir(tool.path("report")).unwrap();
+    tool.file("report/raw.json", b"{}");
+    let contents = || -> Vec<_> {
+        let names = ["square.ply", "rays.f32", "tree.skd", "alone.skd", "report/raw.json"];
+        names.iter().map(|name| std::fs::read(tool.path(name)).unwrap()).collect()
+    };
+    let (before, files) = (contents(), tool.files());
+    for line in [
+        "trace square.ply --rays rays.f32 --out rays.f32",
+        "trace square.ply --rays rays.f32 --out report/../rays.f32",
+        "trace square.ply --rays rays.f32 --out square.ply",
+        "trace tree.skd --rays rays.f32 --out tree.skd",
+        "trace tree.skd --rays rays.f32 --out ./tree.skd --no-verify",
+        "trace alone.skd --mesh square.ply --rays rays.f32 --out square.ply",
+        "build tree.skd -o tree.skd",
+        "build alone.skd --mesh square.ply -o alone.skd",
+        "report --quick -o report --peers report/raw.json",
+    ] {
+        tool.fails(line, 2, &["would overwrite the input", "name another"]);
+    }
+    assert!(contents() == before && tool.files() == files);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::symlink;
+        symlink(tool.path("rays.f32"), tool.path("link.f32")).unwrap();
+        tool.fails("trace square.ply --rays link.f32 --out rays.f32", 2, &["would overwrite", "link.f32"]);
+        tool.fails("trace square.ply --rays rays.f32 --out link.f32", 2, &["would overwrite"]);
+        tool.file("picture.png", square());
+        symlink(tool.path("picture.png"), tool.path("link.ply")).unwrap();
+        tool.fails("render link.ply --size 8x8 -o picture.png", 2, &["would overwrite", "link.ply"]);
+    }
+    assert!(contents() == before);
+    // A built-in scene reads no file, whatever lies there.
+    tool.file("kitchen", b"");
+    tool.ok("trace kitchen --triangles 3000 --rays rays.f32 --out kitchen");
+}
+
+#[test]
+fn advice_is_not_what_is_done_already() {
+    let tool = Tool::new();
+    tool.file("square.ply", square());
+    let said = |line: &str| tool.fails(line, 1, &["square.ply: ", "allow more with --max-"]).stderr;
+    let tree = |options: &str| said(&format!("build square.ply --max-tree-bytes 10 {options}"));
+    assert!(!tree("").contains("dense") && !tree("--preset standard --layout dense").contains("dense"));
+    assert!(tree("--preset standard").contains("take --layout dense"));
+    let build = |options: &str| said(&format!("build square.ply --max-build-bytes 10 {options}"));
+    assert!(!build("").contains("preset") && !build("--preset tiny").contains("preset"));
+    assert!(build("--preset paper-fast").contains("the preset slim or tiny"));
+}
+
+#[test]
+fn reports_look_at_every_name_first() {
+    let tool = Tool::new();
+    tool.file("square.ply", square());
+    tool.file("text.txt", b"hello");
+    tool.file("broken.ply", &square()[..60]);
+    tool.ok("build square.ply -o tree.skd");
+    let before = tool.files();
+    for (scenes, word) in [
+        ("nosuch.ply", "neither a file"),
+        ("kitchen tree.skd", "tree.skd: a report builds trees of its own"),
+        ("kitchen text.txt", "no known extension"),
+        ("kitchen .", "not a regular file"),
+        ("broken.ply", "broken.ply"),
+    ] {
+        // Even the quick report of the kitchen takes minutes.
+        let started = std::time::Instant::now();
+        tool.fails(&format!("report {scenes} --quick --threads 1 -o out"), 1, &[word]);
+        assert!(started.elapsed().as_secs() < 20, "{scenes}");
+        assert_eq!(tool.files(), before, "{scenes}");
+    }
+    std::fs::create_dir(tool.path("out")).unwrap();
+    tool.fails("report broken.ply --quick --threads 1 -o out", 1, &["broken.ply"]);
+    assert_eq!(std::fs::read_dir(tool.path("out")).unwrap().count(), 0);
+    tool.fails("report --from nosuch.json -o out", 1, &["nosuch.json: cannot read", "--from", "raw.json"]);
+    tool.fails("report --peers nosuch.json -o out", 1, &["nosuch.json: cannot read", "slimkd-bench --json"]);
+    tool.fails("report square.ply -o square.ply", 1, &["square.ply/measured", "choose another folder"]);
+}
+
+#[test]
+fn fewer_triangles_than_a_scene_has_are_noted() {
+    let tool = Tool::new();
+    let run = tool.ok("scene kitchen --triangles 1 -o a.ply");
+    assert!(run.stderr.contains("kitchen: 2,670 triangles, the fewest"), "{}", run.stderr);
+    assert_eq!(tool.ok("scene kitchen --triangles 3000 -o a.ply").stderr.lines().count(), 1);
+    assert_eq!(tool.ok("scene kitchen --triangles 1 -o a.ply --quiet").stderr, "");
 }
 
 #[test]
@@ -171,7 +286,25 @@ fn wrong_usage() {
         ("build square.ply --leaf-at-most -1", &["--leaf-at-most"]),
         ("build square.ply --triangles 10", &["--triangles", "built-in"]),
         ("render square.ply --size 0x10", &["--size"]),
-        ("render square.ply --view 4", &["--view"]),
+        ("render square.ply --view 4", &["--view", "expected a number from 1 to 3"]),
+        ("render square.ply --spp 0", &["--spp", "expected a number from 1 to 4096"]),
+        ("render square.ply --bounces 65", &["--bounces", "expected a number from 0 to 64"]),
+        ("render square.ply --occlusion 2000", &["--occlusion", "expected a number from 0 to 1024"]),
+        ("render square.ply --exposure nan", &["--exposure", "expected a number from -100 to 100"]),
+        ("bench square.ply --rounds 3", &["--rounds", "expected a number from 5 to 1000"]),
+        ("bench square.ply --rays 0", &["--rays", "expected a number from 1 to 1048576"]),
+        ("report square.ply --rounds 2 -o out", &["--rounds", "expected a number from 3 to 1000"]),
+        ("build square.ply --sah-intersection 1e300", &["expected a number from 1e-37 to 3.4e38"]),
+        ("build square.ply --foo", &["'--foo' found; to pass"]),
+        ("build square.ply --prese slim", &["'--prese' found; a similar argument"]),
+        (
+            "build square.ply --layout dense --occupancy 0.5",
+            &["leave out --occupancy, or take --layout two-byte"],
+        ),
+        ("inspect square.ply --layout dense --predict", &["T-references", "--predict"]),
+        ("render square.ply --layout dense --frequency 0.5", &["--frequency"]),
+        ("trace square.ply --rays a --out b --layout dense --rebuild", &["--rebuild"]),
+        ("bench square.ply --layout dense --occupancy 1", &["--occupancy"]),
         ("render square.ply --camera 1,2,3", &["--camera"]),
         ("render square.ply --view 1 --camera 0,0,1,0,0,0", &["--view", "--camera"]),
         ("render square.ply --up w", &["--up"]),
@@ -196,5 +329,18 @@ fn help_is_no_failure() {
     for command in ["", "render", "build", "inspect", "trace", "bench", "scene", "completions"] {
         let help = tool.ok(&format!("{command} --help")).stdout;
         assert!(help.contains("Examples:") && help.contains("Usage:"), "{command}");
+    }
+    for (command, words) in [
+        ("build", &["holds no T-references", "1 to 1024", "1 to 100000000", "1e-37 to 3.4e38"][..]),
+        ("trace", &["Excludes --mesh, --triangles, --kernel and --device"]),
+        ("render", &["1 to 4096", "1 to 3", "each 1 to 16384"]),
+        ("bench", &["5 to 1000", "1 to 1048576"]),
+        ("report", &["3 to 1000", "Width and height", "14 GB, 10 to 20 minutes"]),
+    ] {
+        let help = tool.ok(&format!("{command} --help")).stdout;
+        let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+        for word in words {
+            assert!(help.contains(word), "{command}: no {word:?} in {help}");
+        }
     }
 }

@@ -122,6 +122,26 @@ fn the_table_tells_the_savings_apart() {
     assert!(plain.lines().last().unwrap().contains("--savings"), "{plain}");
 }
 
+/// Dense trees hold no T-references, whatever the preset would like.
+#[test]
+fn the_table_names_the_layout_that_is_written() {
+    let tool = Tool::new();
+    let options = |choice: &str| {
+        let table = tool.ok(&format!("build kitchen --triangles 4000 {choice} -o tree.skd")).stdout;
+        let line = |text: &str| text.lines().find(|line| line.starts_with("options")).unwrap().to_owned();
+        assert_eq!(line(&tool.ok("inspect tree.skd").stdout), line(&table), "{choice}");
+        line(&table)
+    };
+    assert!(options("").ends_with(", dense layout"));
+    assert!(options("--preset standard").ends_with(", 4-byte leaves alone"));
+    assert!(options("--preset paper-fast").ends_with(", 2-byte leaves"));
+    let cannot = ", 2-byte leaves (the dense layout cannot hold it)";
+    assert!(options("--occupancy 0.5 --frequency 0.4").ends_with(cannot));
+    assert!(options("--preset paper-small --layout dense").ends_with(cannot));
+    // Nothing is hoisted, so nothing stands in the way.
+    assert!(options("--occupancy 1 --frequency 1").contains("hoisting above"));
+}
+
 #[test]
 fn thread_counts_do_not_show_in_the_tree() {
     let tool = Tool::new();
@@ -216,7 +236,7 @@ fn bench_prints_shares_and_rates() {
 #[test]
 fn a_report_goes_on_and_is_written_again() {
     let tool = Tool::new();
-    let line = "report kitchen --triangles 1500 --quick --size 16x16 --threads 1 --scaling 0 -o out";
+    let line = "report kitchen --triangles 2700 --quick --size 16x16 --threads 1 --scaling 0 -o out";
     tool.fails(&format!("{line} --time-limit 0"), 1, &["time is up", "run the same command again"]);
     assert!(!tool.path("out/index.html").exists());
     tool.ok(line);

@@ -24,7 +24,14 @@ fn a_saved_tree_reports_what_its_build_did() {
     }
     assert!(tool.ok("inspect tree.skd").stdout.contains("B/triangle"));
     assert!(tool.ok("inspect tree.skd --complete").stderr.contains("no triangle is missing"));
-    assert!(tool.ok("inspect tree.skd --preset standard").stderr.contains("keeps the options"));
+    let run = tool.ok("inspect tree.skd --preset standard");
+    assert!(
+        run.stderr.contains("tree.skd: --preset is ignored: a saved tree keeps the options"),
+        "{}",
+        run.stderr
+    );
+    let run = tool.ok("inspect tree.skd --collapse --layout dense --threads 2");
+    assert!(run.stderr.contains("--collapse and --layout are ignored"), "{}", run.stderr);
 }
 
 #[test]
@@ -144,6 +151,13 @@ fn a_tree_without_its_mesh_wants_the_right_one() {
         tool.fails(&format!("{command} --mesh whole.skd"), 2, &["whole.skd", "scene"]);
         tool.ok(&format!("{command} --mesh kitchen.ply"));
     }
+    let line = "trace alone.skd --rays rays.f32 --out hits.bin --no-verify";
+    tool.fails(
+        line,
+        1,
+        &["alone.skd: saved without its mesh", "leave out --no-verify and give it with --mesh FILE"],
+    );
+    tool.fails(&format!("{line} --mesh kitchen.ply"), 2, &["--no-verify", "--mesh"]);
     // The mesh inside is held against the one that is given, too.
     tool.ok("inspect whole.skd --mesh kitchen.ply");
     tool.fails("inspect whole.skd --mesh other.ply", 1, &["another mesh"]);

@@ -1,5 +1,6 @@
 //! From where a scene is seen.
 
+use super::parse::within;
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 use slimkd_scene::{Camera, UpAxis};
@@ -15,8 +16,8 @@ const LEAST_SINE: f32 = 1e-3;
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "View")]
 pub(crate) struct CameraArgs {
-    /// Which of the scene's three views: the file's cameras, else views found by looking around
-    #[arg(long, value_name = "1..3", value_parser = clap::value_parser!(u8).range(1..=3), conflicts_with = "camera")]
+    /// Which of the scene's three views, 1 to 3: the file's cameras, else views found by looking around
+    #[arg(long, value_name = "1..3", value_parser = within::<u8>(1..=3), conflicts_with = "camera")]
     pub(crate) view: Option<u8>,
     /// Eye, target and vertical field of view in degrees (60 unless given), in the scene's units
     #[arg(long, value_name = "ex,ey,ez,tx,ty,tz[,fov]", allow_hyphen_values = true)]

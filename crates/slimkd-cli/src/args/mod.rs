@@ -6,9 +6,9 @@ mod scene;
 mod tree;
 
 pub(crate) use camera::CameraArgs;
-pub(crate) use parse::{Size, threads, triangles};
+pub(crate) use parse::{Size, stops, threads, triangles, within};
 pub(crate) use scene::{SceneArgs, SceneDetails};
-pub(crate) use tree::{Kind, TreeArgs, TuningArgs, preset};
+pub(crate) use tree::{Kind, TreeArgs, TuningArgs, listed, preset};
 
 use crate::commands;
 use clap::{Parser, Subcommand};

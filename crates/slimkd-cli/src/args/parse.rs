@@ -1,7 +1,9 @@
 //! Values of options, parsed and checked.
 
 use slimkd::{Clipping, Layout, Sweep, TreeBudget};
+use std::fmt::Display;
 use std::num::{NonZeroU32, NonZeroUsize};
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 /// Most threads that may be asked for: beyond any machine, below what exhausts it.
@@ -10,23 +12,35 @@ const MAX_THREADS: usize = 1024;
 const MAX_TRIANGLES: u32 = 100_000_000;
 /// Longest edge of a picture, pixels: 16384² × 3 × 4 B is 3 GiB, the most that one should start by mistake.
 const MAX_EDGE: u32 = 16_384;
+/// Smallest and largest cost: what f32 holds in full precision, rounded.
+const COSTS: RangeInclusive<f32> = 1e-37..=3.4e38;
+
+/// A parser of whole numbers in a range.
+pub(crate) fn within<T>(
+    range: RangeInclusive<T>,
+) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static
+where
+    T: FromStr + PartialOrd + Display + Clone + Send + Sync + 'static,
+{
+    move |text| {
+        let number = text.parse().ok().filter(|number| range.contains(number));
+        number.ok_or_else(|| expected(&range))
+    }
+}
+
+/// What is said of every number out of its range.
+fn expected<T: Display>(range: &RangeInclusive<T>) -> String {
+    format!("expected a number from {} to {}", range.start(), range.end())
+}
 
 /// A thread count.
 pub(crate) fn threads(text: &str) -> Result<NonZeroUsize, String> {
-    match text.parse() {
-        Ok(count) if (1..=MAX_THREADS).contains(&count) => {
-            Ok(NonZeroUsize::new(count).unwrap_or(NonZeroUsize::MIN))
-        }
-        _ => Err(format!("expected a number from 1 to {MAX_THREADS}")),
-    }
+    within(1..=MAX_THREADS)(text).map(|count| NonZeroUsize::new(count).unwrap_or(NonZeroUsize::MIN))
 }
 
 /// A number of triangles to generate.
 pub(crate) fn triangles(text: &str) -> Result<NonZeroU32, String> {
-    match text.parse() {
-        Ok(count) if (1..=MAX_TRIANGLES).contains(&count) => NonZeroU32::new(count).ok_or_else(String::new),
-        _ => Err(format!("expected a number from 1 to {MAX_TRIANGLES}")),
-    }
+    within(1..=MAX_TRIANGLES)(text).map(|count| NonZeroU32::new(count).unwrap_or(NonZeroU32::MIN))
 }
 
 /// Width and height of a picture.
@@ -51,24 +65,35 @@ impl FromStr for Size {
 
 /// A finite number above zero.
 pub(super) fn positive(text: &str) -> Result<f32, String> {
-    number(text, "a number above 0", |number| number > 0.0)
+    number(text, COSTS)
 }
 
 /// A finite number from zero.
 pub(super) fn not_negative(text: &str) -> Result<f32, String> {
-    number(text, "a number of 0 or above", |number| number >= 0.0)
+    number(text, 0.0..=*COSTS.end())
 }
 
 /// A number from zero to one.
 pub(super) fn fraction(text: &str) -> Result<f32, String> {
-    number(text, "a number from 0 to 1", |number| (0.0..=1.0).contains(&number))
+    number(text, 0.0..=1.0)
 }
 
-fn number(text: &str, expected: &str, fits: impl Fn(f32) -> bool) -> Result<f32, String> {
-    match text.parse::<f32>() {
-        Ok(number) if number.is_finite() && fits(number) => Ok(number),
-        _ => Err(format!("expected {expected}")),
-    }
+/// By how many stops a picture is made brighter: beyond these it is black or white.
+pub(crate) fn stops(text: &str) -> Result<f32, String> {
+    number(text, -100.0..=100.0)
+}
+
+fn number(text: &str, range: RangeInclusive<f32>) -> Result<f32, String> {
+    let short = |number: f32| {
+        // Digits beside an exponent, where there would be dozens of zeros.
+        if number != 0.0 && !(1e-3..1e6).contains(&number.abs()) {
+            format!("{number:e}")
+        } else {
+            number.to_string()
+        }
+    };
+    let number = text.parse().ok().filter(|number| range.contains(number));
+    number.ok_or_else(|| expected(&(short(*range.start())..=short(*range.end()))))
 }
 
 /// How triangles are bounded.
@@ -79,7 +104,7 @@ pub(super) fn clipping(text: &str) -> Result<Clipping, String> {
         number => number
             .parse()
             .map(Clipping::ExactFrom)
-            .map_err(|_| format!("expected exact, box, or a number of triangles up to {}", u32::MAX)),
+            .map_err(|_| format!("expected exact, box, or a number from 0 to {}", u32::MAX)),
     }
 }
 
@@ -90,7 +115,7 @@ pub(super) fn sweep(text: &str) -> Result<Sweep, String> {
         number => number
             .parse()
             .map(Sweep::BinnedFrom)
-            .map_err(|_| format!("expected exact, or a number of triangles up to {}", u32::MAX)),
+            .map_err(|_| format!("expected exact, or a number from 0 to {}", u32::MAX)),
     }
 }
 
@@ -131,7 +156,7 @@ pub(super) fn bytes(text: &str) -> Result<u64, String> {
         .unwrap_or((text, 1.0));
     match number.parse::<f64>() {
         Ok(number) if (1.0..1e18).contains(&(number * unit)) => Ok((number * unit) as u64),
-        _ => Err("expected a number of bytes such as 64MiB or 800000".into()),
+        _ => Err("expected a number from 1 to 1e18 bytes, such as 64MiB or 800000".into()),
     }
 }
 
@@ -165,5 +190,21 @@ mod tests {
         assert_eq!((not_negative("0"), fraction("1")), (Ok(0.0), Ok(1.0)));
         assert!(["-0.1", "inf", ""].iter().all(|text| not_negative(text).is_err()));
         assert!(["-0.1", "1.01", "nan"].iter().all(|text| fraction(text).is_err()));
+        assert!(["1e300", "1e-300"].iter().all(|text| positive(text).is_err()));
+        assert!(["inf", "nan", "101"].iter().all(|text| stops(text).is_err()));
+    }
+
+    #[test]
+    fn one_phrase_for_all_ranges() {
+        for (error, range) in [
+            (threads("0").unwrap_err(), "1 to 1024"),
+            (within(5..=1000)("3").unwrap_err(), "5 to 1000"),
+            (positive("1e300").unwrap_err(), "1e-37 to 3.4e38"),
+            (not_negative("-1").unwrap_err(), "0 to 3.4e38"),
+            (fraction("2").unwrap_err(), "0 to 1"),
+            (stops("bright").unwrap_err(), "-100 to 100"),
+        ] {
+            assert_eq!(error, format!("expected a number from {range}"));
+        }
     }
 }

@@ -1,8 +1,9 @@
 //! How a tree is built: the preset, and whatever is set in place of its own choices.
 
 use super::parse::{
-    TreeSize, bytes, clipping, fraction, layout, not_negative, positive, sweep, threads, tree_budget,
+    TreeSize, bytes, clipping, fraction, layout, not_negative, positive, sweep, threads, tree_budget, within,
 };
+use crate::failure::Failure;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset, Sweep};
@@ -16,7 +17,7 @@ pub(crate) struct TreeArgs {
     pub(crate) preset: Option<Preset>,
     #[command(flatten)]
     pub(crate) tuning: TuningArgs,
-    /// Threads to work with; all cores unless given. Results do not depend on it
+    /// Threads to work with, 1 to 1024; all cores unless given. Results do not depend on it
     #[arg(long, value_name = "N", value_parser = threads)]
     pub(crate) threads: Option<NonZeroUsize>,
     /// The most memory that building may take above the mesh: bytes, with a unit such as MiB or GB. What would take more ends
@@ -41,13 +42,13 @@ pub(crate) struct TuningArgs {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Args)]
 #[command(next_help_heading = "Tree")]
 struct SahArgs {
-    /// Cost of a traversal step in the surface area heuristic, in any unit; the preset's unless given
+    /// Cost of a traversal step in the surface area heuristic, in any unit, 1e-37 to 3.4e38; the preset's unless given
     #[arg(long, value_name = "COST", value_parser = positive, allow_negative_numbers = true)]
     sah_traversal: Option<f32>,
-    /// Cost of a triangle test in the surface area heuristic, in the same unit; the preset's unless given
+    /// Cost of a triangle test in the surface area heuristic, in the same unit and limits; the preset's unless given
     #[arg(long, value_name = "COST", value_parser = positive, allow_negative_numbers = true)]
     sah_intersection: Option<f32>,
-    /// Factor on the cost of a split with an empty side: 1 is no bonus; the preset's unless given
+    /// Factor on the cost of a split with an empty side, 1e-37 to 3.4e38: 1 is no bonus; the preset's unless given
     #[arg(long, value_name = "FACTOR", value_parser = positive, allow_negative_numbers = true)]
     empty_bonus: Option<f32>,
 }
@@ -75,11 +76,11 @@ struct ShapeArgs {
     /// Turn subtrees into leaves where the surface area heuristic finds those no dearer
     #[arg(long)]
     collapse: bool,
-    /// Collapse for bytes too: halving the tree may cost rays L/2 of their SAH cost. 0 is rays alone
+    /// Collapse for bytes too: halving the tree may cost rays L/2 of their SAH cost. 0 is rays alone, 3.4e38 the most
     #[arg(long, value_name = "L", value_parser = not_negative, allow_negative_numbers = true)]
     byte_weight: Option<f32>,
-    /// Nodes of at most that many triangles become leaves at once; the preset's unless given
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    /// Nodes of at most that many triangles, 0 to 4294967295, become leaves at once; the preset's unless given
+    #[arg(long, value_name = "N", value_parser = within::<u32>(0..=u32::MAX), allow_negative_numbers = true)]
     leaf_at_most: Option<u32>,
     /// How triangles across a split are bounded: exactly, by their boxes, or exactly in nodes of N triangles and more;
     /// the preset's unless given
@@ -89,8 +90,8 @@ struct ShapeArgs {
     /// to build (33 is the least N that tells), and a little worse or better to trace
     #[arg(long, value_name = "exact|N", value_parser = sweep, allow_negative_numbers = true)]
     sweep: Option<Sweep>,
-    /// How the tree is written: 8-byte nodes with 4-byte or also 2-byte references, or the dense layout; the preset's
-    /// unless given
+    /// How the tree is written: 8-byte nodes with 4-byte or also 2-byte references, or the dense layout, which holds no
+    /// T-references: a tree that has some is written as two-byte, and hoisting options exclude it. The preset's unless given
     #[arg(long, value_name = "four-byte|two-byte|dense", value_parser = layout)]
     layout: Option<Layout>,
     /// The fastest tree of at most SIZE: bytes, with a unit such as KiB or MB, bytes a triangle, as in 6/tri, or none. Found from
@@ -100,20 +101,61 @@ struct ShapeArgs {
 }
 
 impl TreeArgs {
-    /// True when anything was said about the tree's shape.
-    pub(crate) fn is_given(&self) -> bool {
-        self.preset.is_some() || self.tuning != TuningArgs::default()
+    /// What was said about the tree's shape, by the options' names.
+    pub(crate) fn given(&self) -> Vec<&'static str> {
+        let preset = self.preset.map(|_| "--preset");
+        preset.into_iter().chain(self.tuning.given()).collect()
     }
 
     /// The library's options.
     pub(crate) fn options(&self) -> BuildOptions {
-        let mut options = self.tuning.options(self.preset.unwrap_or_default(), self.threads);
+        self.options_of(self.preset.unwrap_or_default())
+    }
+
+    /// The same with another preset.
+    pub(crate) fn options_of(&self, preset: Preset) -> BuildOptions {
+        let mut options = self.tuning.options(preset, self.threads);
         options.max_build_bytes = self.max_build_bytes;
         options
     }
 }
 
 impl TuningArgs {
+    /// Refuses what no tree can be, before there is any work.
+    pub(crate) fn check(&self) -> Result<(), Failure> {
+        let hoisting = self.hoisting.given();
+        if self.shape.layout == Some(Layout::Dense) && !hoisting.is_empty() {
+            return Err(Failure::usage(format_args!(
+                "--layout dense holds no T-references; leave out {}, or take --layout two-byte",
+                listed(&hoisting)
+            )));
+        }
+        Ok(())
+    }
+
+    /// The options that were given, by their names.
+    pub(crate) fn given(&self) -> Vec<&'static str> {
+        let Self { sah, hoisting, shape } = self;
+        let SahArgs { sah_traversal, sah_intersection, empty_bonus } = sah;
+        let ShapeArgs { collapse, byte_weight, leaf_at_most, clipping, sweep, layout, max_tree_bytes } =
+            shape;
+        let costs = [
+            ("--sah-traversal", sah_traversal.is_some()),
+            ("--sah-intersection", sah_intersection.is_some()),
+            ("--empty-bonus", empty_bonus.is_some()),
+        ];
+        let shape = [
+            ("--collapse", *collapse),
+            ("--byte-weight", byte_weight.is_some()),
+            ("--leaf-at-most", leaf_at_most.is_some()),
+            ("--clipping", clipping.is_some()),
+            ("--sweep", sweep.is_some()),
+            ("--layout", layout.is_some()),
+            ("--max-tree-bytes", max_tree_bytes.is_some()),
+        ];
+        [named(&costs), hoisting.given(), named(&shape)].concat()
+    }
+
     /// The options of a preset with these choices in place of its own.
     pub(crate) fn options(&self, preset: Preset, threads: Option<NonZeroUsize>) -> BuildOptions {
         let mut options = BuildOptions::from(preset);
@@ -136,7 +178,31 @@ impl TuningArgs {
     }
 }
 
+/// The names of what is true.
+fn named(options: &[(&'static str, bool)]) -> Vec<&'static str> {
+    options.iter().filter(|option| option.1).map(|option| option.0).collect()
+}
+
+/// Names as in a sentence.
+pub(crate) fn listed(names: &[&str]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => (*one).to_owned(),
+        [all @ .., last] => format!("{} and {last}", all.join(", ")),
+    }
+}
+
 impl HoistingArgs {
+    fn given(&self) -> Vec<&'static str> {
+        let Self { occupancy, frequency, rebuild, predict } = *self;
+        named(&[
+            ("--occupancy", occupancy.is_some()),
+            ("--frequency", frequency.is_some()),
+            ("--rebuild", rebuild),
+            ("--predict", predict),
+        ])
+    }
+
     /// Any of these options turns hoisting on where the preset has none.
     fn apply(&self, hoisting: &mut Option<Hoisting>) {
         if *self == Self::default() {
@@ -256,6 +322,33 @@ mod tests {
         assert_eq!(standard("").sweep, Sweep::Exact);
         assert_eq!(standard("--sweep 1000").sweep, Sweep::BinnedFrom(1000));
         assert_eq!(standard("--clipping 10000").clipping, Clipping::ExactFrom(10_000));
+    }
+
+    #[test]
+    fn dense_trees_hoist_nothing() {
+        let check = |line: &str| {
+            let words = std::iter::once("tool").chain(line.split_whitespace());
+            Line::try_parse_from(words).unwrap().tree.tuning.check().map_err(|failure| failure.to_string())
+        };
+        let refused = check("--layout dense --frequency 0.4 --occupancy 0.5 --rebuild").unwrap_err();
+        assert!(refused.contains("leave out --occupancy, --frequency and --rebuild"), "{refused}");
+        for fine in [
+            "--layout dense",
+            "--occupancy 0.5",
+            "--layout two-byte --predict",
+            "--preset paper-fast --layout dense",
+        ] {
+            assert_eq!(check(fine), Ok(()), "{fine}");
+        }
+    }
+
+    #[test]
+    fn what_is_given_has_names() {
+        let line = "--predict --preset tiny --sweep 40 --sah-traversal 3 --threads 2 --max-build-bytes 1GB";
+        let words = std::iter::once("tool").chain(line.split_whitespace());
+        let given = Line::try_parse_from(words).unwrap().tree.given();
+        assert_eq!(given, ["--preset", "--sah-traversal", "--predict", "--sweep"]);
+        assert_eq!(listed(&given[..2]), "--preset and --sah-traversal");
     }
 
     #[test]

@@ -5,10 +5,10 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::report::Report;
 use crate::savings::{self, Savings};
-use crate::{scenes, trees, ui, ui::Ui};
+use crate::{saved, scenes, trees, ui, ui::Ui};
 use clap::Args;
 use slimkd::tree::FileError;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -44,11 +44,12 @@ pub(crate) struct BuildArgs {
 
 /// Builds, reports, saves.
 pub(crate) fn run(args: &BuildArgs, ui: Ui) -> Result<(), Failure> {
-    let output = args.output.as_deref().map(Output::prepare).transpose()?;
+    args.tree.tuning.check()?;
+    let output = args.output.as_deref().map(|path| prepare(path, &args.scene)).transpose()?;
     let mut loaded = scenes::load(&args.scene.scene, &args.scene.details, ui)?;
     drop(loaded.tree.take());
     let (scene, options) = (&loaded.scene, args.tree.options());
-    let tree = trees::build(&scene.name, &scene.mesh, loaded.seconds, &options, ui)?;
+    let tree = trees::build(&loaded.origin(), &scene.mesh, &options, ui)?;
     trees::warn_of_degenerate(&tree.statistics, ui);
     if let Some(output) = output {
         let mut draft = output.draft()?;
@@ -71,4 +72,16 @@ pub(crate) fn run(args: &BuildArgs, ui: Ui) -> Result<(), Failure> {
     let hint =
         if args.savings { String::new() } else { savings::hint(&tree.statistics, tree.tree.memory().tree()) };
     ui::print(&(report.table(&tree) + &hint))
+}
+
+/// A place for the tree; a name with another ending would be a scene's, or nobody could read the tree under it.
+fn prepare(path: &Path, scene: &SceneArgs) -> Result<Output, Failure> {
+    let is_device = path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir());
+    if !is_device && !saved::is_saved(path) {
+        return Err(Failure::usage(format_args!(
+            "{}: trees are saved as .skd; end the name in .skd",
+            path.display()
+        )));
+    }
+    Output::prepare(path)?.apart_from(scenes::files(&scene.scene, &scene.details))
 }

@@ -32,6 +32,7 @@ pub(crate) struct InspectArgs {
 
 /// Reports.
 pub(crate) fn run(args: &InspectArgs, ui: Ui) -> Result<(), Failure> {
+    args.tree.tuning.check()?;
     let mut loaded = scenes::load(&args.scene.scene, &args.scene.details, ui)?;
     let tree = trees::take_or_build(&mut loaded, &args.tree, ui)?;
     trees::warn_of_degenerate(&tree.statistics, ui);

@@ -1,6 +1,6 @@
 //! `slimkd render`: a picture of a scene.
 
-use crate::args::{CameraArgs, SceneDetails, Size, TreeArgs};
+use crate::args::{CameraArgs, SceneDetails, Size, TreeArgs, stops, within};
 use crate::device::{self, Choice, Device};
 use crate::failure::Failure;
 use crate::output::Output;
@@ -59,20 +59,20 @@ pub(crate) struct RenderArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Picture")]
 struct PictureArgs {
-    /// Width and height in pixels
+    /// Width and height in pixels, each 1 to 16384
     #[arg(long, value_name = "WxH", default_value = "1024x1024")]
     size: Size,
-    /// Samples per pixel
-    #[arg(long, value_name = "N", default_value_t = RenderSettings::default().samples, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    /// Samples per pixel, 1 to 4096
+    #[arg(long, value_name = "N", default_value_t = RenderSettings::default().samples, value_parser = within::<u32>(1..=4096))]
     spp: u32,
-    /// How often a ray may be mirrored or refracted
-    #[arg(long, value_name = "N", default_value_t = RenderSettings::default().max_depth, value_parser = clap::value_parser!(u32).range(0..=64))]
+    /// How often a ray may be mirrored or refracted, 0 to 64
+    #[arg(long, value_name = "N", default_value_t = RenderSettings::default().max_depth, value_parser = within::<u32>(0..=64))]
     bounces: u32,
-    /// Ambient occlusion rays per visible point; 0 is none
-    #[arg(long, value_name = "N", default_value_t = RenderSettings::default().occlusion, value_parser = clap::value_parser!(u32).range(0..=1024))]
+    /// Ambient occlusion rays per visible point, 0 to 1024; 0 is none
+    #[arg(long, value_name = "N", default_value_t = RenderSettings::default().occlusion, value_parser = within::<u32>(0..=1024))]
     occlusion: u32,
-    /// Stops by which a .png is made brighter, or darker if negative
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true)]
+    /// Stops by which a .png is made brighter, or darker if negative, -100 to 100
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, value_parser = stops, allow_negative_numbers = true)]
     exposure: f32,
     /// How bright light is folded into what a .png can show
     #[arg(long, value_enum, default_value_t = Tone::Neutral)]
@@ -141,15 +141,18 @@ impl Watched for RenderProgress {
 
 /// Builds, renders, writes.
 pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
+    args.tree.tuning.check()?;
     let output = Output::prepare(&args.output)?;
+    Film::check_format(output.path()).map_err(Failure::usage)?;
+    let inputs = args.scene.iter().flat_map(|scene| scenes::files(scene, &args.details));
+    let output = output.apart_from(inputs)?;
     let device = device::open(args.device, ui)?;
-    Film::check_format(output.path()).map_err(Failure::work)?;
     let mut loaded = match &args.scene {
         Some(scene) => scenes::load(scene, &args.details, ui)?,
         None if args.details.mesh.is_some() => {
             return Err(Failure::Usage("--mesh belongs to a saved tree; name that too".to_owned()));
         }
-        None => scenes::built_in(DEFAULT_SCENE, args.details.triangles.or(Some(DEFAULT_TRIANGLES)))?,
+        None => scenes::built_in(DEFAULT_SCENE, args.details.triangles.or(Some(DEFAULT_TRIANGLES)), ui)?,
     };
     cameras::settle_up(&args.camera, &mut loaded.scene);
     let tree = if args.scene.is_some() {
@@ -159,9 +162,9 @@ pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
     };
     trees::warn_of_degenerate(&tree.statistics, ui);
 
-    let camera = cameras::choose(&args.camera, &loaded.scene, &tree.tree, 1)?[0].camera;
+    let camera = cameras::choose(&args.camera, &loaded, &tree.tree, 1)?[0].camera;
     let settings = args.picture.settings(args.tree.threads);
-    let picture = Picture { scene: &loaded.scene, tree: &tree.tree, camera, settings };
+    let picture = Picture { place: &loaded.place, scene: &loaded.scene, tree: &tree.tree, camera, settings };
     let rendered = match &device {
         Some(device) => args.device.or_cpu(picture.on(device.as_ref(), ui)?, ui)?,
         None => None,
@@ -184,6 +187,7 @@ pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
 
 /// What is rendered, wherever that is.
 struct Picture<'a> {
+    place: &'a str,
     scene: &'a Scene,
     tree: &'a KdTree,
     camera: Camera,
@@ -199,14 +203,14 @@ struct Rendered {
 
 impl Picture<'_> {
     fn on_the_cpu(&self, ui: Ui) -> Result<Rendered, Failure> {
-        let Self { scene, tree, camera, settings } = self;
+        let Self { scene, tree, camera, settings, .. } = self;
         let rendered = watched(ui, |progress| render(scene, tree, camera, &scene.lights, settings, progress));
         rendered.map_err(|error| self.failure(error))
     }
 
     /// The inner error is the device's.
     fn on(&self, device: &dyn Device, ui: Ui) -> Result<Result<Rendered, String>, Failure> {
-        let Self { scene, tree, camera, settings } = self;
+        let Self { scene, tree, camera, settings, .. } = self;
         let setup =
             Setup::new(scene, tree, camera, &scene.lights, settings).map_err(|error| self.failure(error))?;
         let rendered = watched(ui, |progress| {
@@ -222,11 +226,11 @@ impl Picture<'_> {
     }
 
     fn failure(&self, error: RenderError) -> Failure {
-        let name = &self.scene.name;
+        let place = self.place;
         match error {
             RenderError::Cancelled => Failure::Interrupted,
-            RenderError::Camera(error) => Failure::work(format_args!("{name}: {error} (--camera, --up)")),
-            other => Failure::work(format_args!("{name}: {other}")),
+            RenderError::Camera(error) => Failure::work(format_args!("{place}: {error} (--camera, --up)")),
+            other => Failure::work(format_args!("{place}: {other}")),
         }
     }
 }
@@ -245,8 +249,8 @@ fn compare_presets(loaded: &scenes::Loaded, args: &RenderArgs, ui: Ui) -> Result
     let scene = &loaded.scene;
     let (mut kept, mut sizes) = (None, Vec::new());
     for &preset in Preset::ALL {
-        let options = args.tree.tuning.options(preset, args.tree.threads);
-        let tree = trees::build(&scene.name, &scene.mesh, loaded.seconds, &options, ui)?;
+        let options = args.tree.options_of(preset);
+        let tree = trees::build(&loaded.origin(), &scene.mesh, &options, ui)?;
         let nodes = &tree.statistics.nodes;
         let nodes = nodes.inner + nodes.t_inner + nodes.leaf;
         sizes.push((preset, nodes, tree.statistics.references(), tree.tree.memory().tree()));

@@ -24,7 +24,7 @@ pub(crate) struct SceneCommandArgs {
     /// List the built-in scenes
     #[arg(long, conflicts_with_all = ["name", "triangles", "output"])]
     list: bool,
-    /// How many triangles it gets
+    /// How many triangles it gets, 1 to 100000000
     #[arg(long, value_name = "N", value_parser = triangles)]
     triangles: Option<NonZeroU32>,
     /// The PLY file to write
@@ -44,7 +44,7 @@ pub(crate) fn run(args: &SceneCommandArgs, ui: Ui) -> Result<(), Failure> {
         )));
     }
     let output = Output::prepare(path)?;
-    let scene = scenes::built_in(name, args.triangles)?.scene;
+    let scene = scenes::built_in(name, args.triangles, ui)?.scene;
     let mut draft = output.draft()?;
     ply::write(&scene.mesh, &mut draft).map_err(|error| unwritable(path, &error))?;
     draft.commit()?;

@@ -51,7 +51,7 @@ pub(crate) struct TraceArgs {
     #[arg(long, value_enum, default_value_t = Kernel::Single)]
     kernel: Kernel,
     /// Trace a saved tree where it lies, ready at once: it is not proved sound, every access is checked instead, and a ray
-    /// takes longer
+    /// takes longer. Its mesh must be inside. Excludes --mesh, --triangles, --kernel and --device
     #[arg(long, conflicts_with_all = ["mesh", "triangles", "kernel", "device"])]
     no_verify: bool,
     /// What traces them; a GPU's t may differ in its last bits
@@ -64,7 +64,10 @@ pub(crate) struct TraceArgs {
 /// Traces the file.
 pub(crate) fn run(args: &TraceArgs, ui: Ui) -> Result<(), Failure> {
     args.device.check(args.kernel)?;
-    let output = Output::prepare(&args.out)?;
+    args.tree.tuning.check()?;
+    let SceneArgs { scene, details } = &args.scene;
+    let inputs = scenes::files(scene, details).chain([args.rays.as_path()]);
+    let output = Output::prepare(&args.out)?.apart_from(inputs)?;
     let mut input = RayFile::open(&args.rays)?;
     let device = device::open(args.device, ui)?;
     let tree = Source::of(args, ui)?;
@@ -120,7 +123,9 @@ impl Source {
                 let what = "only a saved tree can be traced with --no-verify; leave it out";
                 return Err(Failure::Usage(format!("{}: {what}", scene.display())));
             }
-            return saved::map(scene).map(|tree| Self::Open(Box::new(tree)));
+            let tree = saved::map(scene)?;
+            trees::warn_of_ignored(&scene.display().to_string(), &args.tree.given(), ui);
+            return Ok(Self::Open(Box::new(tree)));
         }
         let mut loaded = scenes::load(scene, &args.scene.details, ui)?;
         let tree = trees::take_or_build(&mut loaded, &args.tree, ui)?;

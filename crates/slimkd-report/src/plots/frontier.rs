@@ -13,8 +13,12 @@ const PANEL: (f64, f64) = (460.0, 340.0);
 const MARGIN: (f64, f64, f64, f64) = (52.0, 34.0, 16.0, 46.0);
 const COLUMNS: usize = 2;
 /// Width of a character of a label, pixels: what keeps labels apart.
-const CHARACTER: f64 = 6.4;
+const CHARACTER: f64 = 7.5;
 const LABEL_HEIGHT: f64 = 11.0;
+/// The first places for a label, directly beside its mark.
+const BESIDE: usize = 6;
+/// A label farther from its mark than this is tied to it by a line, pixels.
+const NEAR: f64 = 9.0;
 
 /// What a mark stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -217,25 +221,50 @@ fn draw(out: &mut String, panel: &Panel, vertical: &str, horizontal: &str) {
         let text = mark.name.split_once(':').map_or(mark.name.as_str(), |(_, point)| point);
         let (at_x, at_y) = (x(mark.bytes), y(mark.rate));
         let long = CHARACTER * text.chars().count() as f64;
-        let places = [
-            (8.0, 4.0),
-            (-8.0 - long, 4.0),
-            (-long / 2.0, -8.0),
-            (-long / 2.0, 16.0),
-            (8.0, -8.0),
-            (8.0, 14.0),
-        ];
-        let free = places.into_iter().map(|(dx, dy)| (at_x + dx, at_y + dy)).find(|&(x, y)| {
-            let own = [x, y - LABEL_HEIGHT + 2.0, x + long, y + 2.0];
-            own[0] > left && own[2] < right + 10.0 && taken.iter().all(|other| apart(&own, other))
+        let box_at = |(dx, dy): (f64, f64)| {
+            let (x, y) = (at_x + dx, at_y + dy);
+            [x, y - LABEL_HEIGHT + 2.0, x + long, y + 2.0]
+        };
+        // The curve says what its points are: theirs are left out where there is no room beside them.
+        let tried = if mark.family == Family::Sweep { BESIDE } else { usize::MAX };
+        let free = places(long).take(tried).map(box_at).find(|own| {
+            let inside = own[0] > left && own[2] < right + 10.0 && own[1] > top - 14.0 && own[3] < bottom;
+            inside && taken.iter().all(|other| apart(own, other))
         });
-        // A label without room is left out: the JSON has every figure.
-        if let Some((x, y)) = free {
-            taken.push([x, y - LABEL_HEIGHT + 2.0, x + long, y + 2.0]);
+        if let Some(own) = free {
+            let [x, above, end, below] = own;
+            taken.push(own);
+            let (to_x, to_y) = (at_x.clamp(x, end), at_y.clamp(above, below));
+            if (to_x - at_x).hypot(to_y - at_y) > NEAR {
+                let _ =
+                    writeln!(out, "<path class=\"axis\" d=\"M{at_x:.1} {at_y:.1}L{to_x:.1} {to_y:.1}\"/>");
+            }
             let weight = if mark.family == Family::Preset { " font-weight=\"bold\"" } else { "" };
-            let _ = writeln!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\"{weight}>{}</text>", escape(text));
+            let _ =
+                writeln!(out, "<text x=\"{x:.1}\" y=\"{:.1}\"{weight}>{}</text>", below - 2.0, escape(text));
         }
     }
+}
+
+/// Where a label of that length may begin, from its mark: beside it, else farther away in eight directions.
+fn places(long: f64) -> impl Iterator<Item = (f64, f64)> {
+    let near =
+        [(8.0, 4.0), (-8.0 - long, 4.0), (-long / 2.0, -8.0), (-long / 2.0, 16.0), (8.0, -8.0), (8.0, 14.0)];
+    let far = [22.0, 36.0, 52.0, 70.0].into_iter().flat_map(move |r: f64| {
+        let (right, left, middle) = (0.7 * r, -0.7 * r - long, -long / 2.0);
+        let (up, down) = (-0.7 * r, 0.7 * r + 8.0);
+        [
+            (r, 4.0),
+            (right, up),
+            (right, down),
+            (middle, -r),
+            (middle, r + 8.0),
+            (left, up),
+            (left, down),
+            (-r - long, 4.0),
+        ]
+    });
+    near.into_iter().chain(far)
 }
 
 fn apart(a: &[f64; 4], b: &[f64; 4]) -> bool {

@@ -273,29 +273,27 @@ pub enum BuildError {
         /// What it was.
         value: f64,
     },
-    /// Even one leaf of all triangles is larger than [`BuildOptions::max_tree`]: allow more bytes, or use the dense layout.
-    #[error(
-        "the smallest tree takes {needed} bytes, {limit} are allowed; allow more, or use the dense layout"
-    )]
+    /// Even one leaf of all triangles is larger than [`BuildOptions::max_tree`]: allow more bytes, or use [`Layout::Dense`] if
+    /// that is not the layout yet.
+    #[error("the smallest tree takes {needed} bytes, {limit} are allowed; allow more")]
     TreeTooLarge {
         /// Bytes of the smallest tree.
         needed: u64,
         /// Bytes that were allowed.
         limit: u64,
     },
-    /// The build would hold more than [`BuildOptions::max_build_bytes`]: allow more, or use a smaller preset, which also takes
-    /// less memory to build.
-    #[error(
-        "the build needs {needed} bytes or more, {limit} are allowed; allow more, or use the preset slim or tiny"
-    )]
+    /// The build would hold more than [`BuildOptions::max_build_bytes`]: allow more, or use [`Preset::Slim`] or [`Preset::Tiny`]
+    /// in place of the others, since these also take less memory to build.
+    #[error("the build needs {needed} bytes or more, {limit} are allowed; allow more")]
     BuildTooLarge {
         /// Bytes that it would have held, as far as it had come.
         needed: u64,
         /// Bytes that were allowed.
         limit: u64,
     },
-    /// There was no memory for a block of the build: free some, or use a smaller preset, which also takes less to build.
-    #[error("no memory for a block of {bytes} bytes; free some, or use the preset slim or tiny")]
+    /// There was no memory for a block of the build: free some, or use [`Preset::Slim`] or [`Preset::Tiny`] in place of the
+    /// others.
+    #[error("no memory for a block of {bytes} bytes; free some")]
     OutOfMemory {
         /// Bytes of the block.
         bytes: u64,

@@ -3,7 +3,7 @@
 mod report;
 mod runner;
 
-use crate::args::{CameraArgs, SceneArgs, Size, TuningArgs, preset, threads};
+use crate::args::{CameraArgs, SceneArgs, Size, TuningArgs, preset, threads, within};
 use crate::device::{self, Choice, Device};
 use crate::failure::Failure;
 use crate::kernel::Kernel;
@@ -43,7 +43,7 @@ pub(crate) struct BenchArgs {
     /// The presets to compare; all unless given
     #[arg(long, value_name = "a,b,...", value_delimiter = ',', value_parser = preset())]
     presets: Vec<Preset>,
-    /// Threads to trace with; several numbers are measured one after the other
+    /// Threads to trace with, 1 to 1024; several numbers are measured one after the other
     #[arg(long, value_name = "N,M,...", default_value = "1", value_delimiter = ',', value_parser = threads)]
     threads: Vec<NonZeroUsize>,
     /// What traces them; several are measured one after the other
@@ -52,16 +52,16 @@ pub(crate) struct BenchArgs {
     /// How rays are traced; the hits are the same with all
     #[arg(long, value_enum, default_value_t = Kernel::Single)]
     kernel: Kernel,
-    /// Rounds to take the median of
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(5..=1000))]
+    /// Rounds to take the median of, 5 to 1000
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = within::<u32>(5..=1000))]
     rounds: u32,
-    /// Rays of a workload; as many as take about a minute in all unless given
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_RAYS as i64))]
-    rays: Option<u32>,
+    /// Rays of a workload, 1 to 1048576; as many as take about a minute in all unless given
+    #[arg(long, value_name = "N", value_parser = within(1..=MOST_RAYS))]
+    rays: Option<usize>,
     /// Measure whole pictures too, each view's: Whitted's rays from one sample a pixel, no ambient occlusion
     #[arg(long)]
     frames: bool,
-    /// Width and height of these pictures in pixels
+    /// Width and height of these pictures in pixels, each 1 to 16384
     #[arg(long, value_name = "WxH", default_value = "1024x1024", requires = "frames")]
     size: Size,
     /// Print one JSON object
@@ -75,6 +75,7 @@ pub(crate) struct BenchArgs {
 
 /// Builds, compares, measures.
 pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
+    args.tuning.check()?;
     let mut choices = args.device.clone();
     choices.dedup();
     let mut devices = Vec::new();
@@ -87,12 +88,13 @@ pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
     let built = contenders(args, &mut loaded, ui)?;
     let scene = &loaded.scene;
     trees::warn_of_degenerate(&built[0].1.statistics, ui);
-    let views = cameras::choose(&args.camera, scene, &built[0].1.tree, cameras::VIEWS)?;
+    let views = cameras::choose(&args.camera, &loaded, &built[0].1.tree, cameras::VIEWS)?;
     let mut counts = args.threads.clone();
     counts.dedup();
     let mut report = Report::default();
     let mut measure = |threads: usize, device: Option<&dyn Device>| -> Result<(), Failure> {
         let bench = Bench {
+            place: &loaded.place,
             scene,
             trees: built.iter().map(|(preset, tree)| (preset.name(), &tree.tree)).collect(),
             views: views.clone(),
@@ -100,7 +102,7 @@ pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
             kernel: args.kernel,
             device,
             rounds: args.rounds as usize,
-            rays: args.rays.map(|rays| rays as usize),
+            rays: args.rays,
             size: args.size,
         };
         let steps = Steps::default();
@@ -132,15 +134,18 @@ pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
 fn contenders(args: &BenchArgs, loaded: &mut scenes::Loaded, ui: Ui) -> Result<Vec<(Preset, Tree)>, Failure> {
     let mut trees: Vec<(Preset, Tree)> = Vec::new();
     let saved = loaded.tree.take();
-    let scene = &loaded.scene;
+    let origin = loaded.origin();
     let all = if saved.is_none() { Preset::ALL } else { &[] };
     if let Some(tree) = saved {
-        trees.push((tree.options().preset, trees::saved(&scene.name, tree, loaded.seconds)?));
+        if args.presets.is_empty() {
+            trees::warn_of_ignored(&origin.place, &args.tuning.given(), ui);
+        }
+        trees.push((tree.options().preset, trees::saved(origin.clone(), tree)?));
     }
     for &preset in if args.presets.is_empty() { all } else { &args.presets } {
         if trees.iter().all(|tree| tree.0 != preset) {
             let options = args.tuning.options(preset, None);
-            trees.push((preset, trees::build(&scene.name, &scene.mesh, loaded.seconds, &options, ui)?));
+            trees.push((preset, trees::build(&origin, &loaded.scene.mesh, &options, ui)?));
         }
     }
     Ok(trees)

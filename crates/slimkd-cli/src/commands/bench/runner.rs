@@ -34,6 +34,8 @@ const GPU: &str = "gpu";
 
 /// What is measured, and with what.
 pub(super) struct Bench<'a> {
+    /// What messages call the scene.
+    pub(super) place: &'a str,
     pub(super) scene: &'a Scene,
     pub(super) trees: Vec<Named<'a>>,
     pub(super) views: Vec<View>,
@@ -134,7 +136,7 @@ impl Bench<'_> {
         let mut answers = Answers::with(self.kernel);
         let most = self.rays.unwrap_or(MOST_RAYS);
         let mut primary = workloads::primary(&self.views, most)
-            .map_err(|error| Failure::work(format_args!("{}: {error} (--camera, --up)", self.scene.name)))?;
+            .map_err(|error| Failure::work(format_args!("{}: {error} (--camera, --up)", self.place)))?;
         let count = self.affordable(uploaded, &primary, false)?;
         primary.truncate(count);
         answers.trace(&self.pool, tree, &primary, false)?;

@@ -66,9 +66,9 @@ pub enum FileError {
     /// The contents contradict themselves: the file is damaged, build it again from the scene.
     #[error("damaged tree: {0}; build it again from its scene")]
     Damaged(String),
-    /// The tree was saved without its mesh: hand it in, with [`KdTree::read_with_mesh`] or `--mesh FILE`.
+    /// The tree was saved without its mesh: hand it in, with [`KdTree::read_with_mesh`].
     #[error(
-        "saved without its mesh of {vertices} vertices and {triangles} triangles; give it with --mesh FILE"
+        "saved without its mesh of {vertices} vertices and {triangles} triangles; read it together with that mesh"
     )]
     MeshMissing {
         /// Vertices of the mesh that is missing.

@@ -1,91 +1,22 @@
-//! T-references without rebuilding: one top-down pass over the finished tree.
-//!
-//! Source: Choi, Chang & Ihm 2013 build every subtree anew after a pick and name avoiding that as future work.
-//!
-//! Deviation: the picked triangle is taken out of the leaves below, and the builder's leaf rule is applied again to
-//! the counts that remain. Splits stay where they are. `docs/paper-tree.md` holds the comparison.
+//! One top-down pass over a tree, or over a part of it.
 
-use super::measures::Picker;
-use super::options::{Hoisting, WhenLeafRemains};
-use super::work::Work;
-use crate::build::memory::{filled, push};
+use super::super::measures::Picker;
+use super::super::options::{CountedLeaves, Hoisting, WhenLeafRemains};
+use super::super::work::Work;
+use crate::build::memory::{copied, filled, push, with_room};
 use crate::build::{BuildError, Builder, Plan, PlanNode};
-use crate::geometry::Aabb;
 
 /// Nodes between two looks at whether the build was cancelled, in loops that do not move its progress.
 const STRIDE: usize = 1 << 14;
 
-/// Hoists at most one triangle a node, top-down.
-pub(crate) fn hoist(
-    mut plan: Plan,
-    voxel: Aabb,
-    hoisting: &Hoisting,
-    builder: &Builder<'_>,
-    share: f64,
-) -> Result<Plan, BuildError> {
-    let triangles = builder.mesh().len();
-    let (each, mut moved) = (share / plan.nodes.len().max(1) as f64, 0);
-    let mut pass = Pass {
-        counts: std::mem::take(&mut plan.counts),
-        most: most_leaves_of_one(&plan, triangles, builder)?,
-        leaves: filled(0, plan.nodes.len())?,
-        work: Work::new(plan, &voxel, builder)?,
-        marks: Vec::new(),
-        leaf_at_most: builder.options().leaf_at_most,
-    };
-    pass.count_leaves(0, builder)?;
-    let mut picker = Picker::new(hoisting, triangles)?;
-    let mut at = 0;
-    for steps in 0.. {
-        if at >= pass.work.plan.nodes.len() {
-            break;
-        }
-        if steps % 64 == 0 {
-            builder.check()?;
-            builder.progress().advance(each * (at - moved) as f64);
-            moved = at;
-        }
-        match pass.work.plan.nodes[at] {
-            PlanNode::Leaf { .. } => at = pass.work.ends[at] as usize,
-            PlanNode::Inner { .. } => {
-                pass.visit(at, hoisting, &mut picker, builder)?;
-                at += 1;
-            }
-        }
-    }
-    let Pass { work, .. } = pass; // the rest is freed before the result takes its room
-    work.into_plan(builder)
-}
-
-/// Per node, the most leaves of the whole tree that hold one and the same triangle of this subtree: an upper bound
-/// that rules most large subtrees out.
-fn most_leaves_of_one(plan: &Plan, triangles: usize, builder: &Builder<'_>) -> Result<Vec<u32>, BuildError> {
-    let mut per_triangle = filled(0u32, triangles)?;
-    for (at, &id) in plan.references.iter().enumerate() {
-        builder.check_at(at)?;
-        per_triangle[id as usize] += 1;
-    }
-    let mut most = filled(0, plan.nodes.len())?;
-    for at in (0..plan.nodes.len()).rev() {
-        builder.check_at(at)?;
-        most[at] = match plan.nodes[at] {
-            PlanNode::Inner { right, .. } => most[at + 1].max(most[right as usize]),
-            PlanNode::Leaf { first, count } => {
-                let ids = &plan.references[first as usize..(first + count) as usize];
-                ids.iter().map(|&id| per_triangle[id as usize]).max().unwrap_or(0)
-            }
-        };
-    }
-    Ok(most)
-}
-
-struct Pass {
-    work: Work,
+/// A tree on its way to T-references.
+pub(super) struct Pass {
+    pub(super) work: Work,
     /// Distinct triangles under each node.
     counts: Vec<u32>,
     /// Leaves under each node.
     leaves: Vec<u32>,
-    /// See [`most_leaves_of_one`]; never updated, so it stays an upper bound.
+    /// See [`most_leaves_of_one`](super::most_leaves_of_one); never updated, so it stays an upper bound.
     most: Vec<u32>,
     /// Scratch: nodes of one subtree that hold the picked triangle, ascending.
     marks: Vec<usize>,
@@ -93,6 +24,90 @@ struct Pass {
 }
 
 impl Pass {
+    /// `counts` and `most` are per node.
+    pub(super) fn new(
+        work: Work,
+        counts: Vec<u32>,
+        most: Vec<u32>,
+        builder: &Builder<'_>,
+    ) -> Result<Self, BuildError> {
+        let leaves = filled(0, most.len())?;
+        let leaf_at_most = builder.options().leaf_at_most;
+        let mut pass = Self { work, counts, leaves, most, marks: Vec::new(), leaf_at_most };
+        pass.count_leaves(0, builder)?;
+        Ok(pass)
+    }
+
+    /// The subtree at `root` alone, whose nodes are `nodes`.
+    pub(super) fn part(&self, root: usize, nodes: &[PlanNode]) -> Result<Self, BuildError> {
+        let range = root..root + nodes.len();
+        let held = nodes
+            .iter()
+            .map(|node| if let PlanNode::Leaf { count, .. } = *node { count as usize } else { 0 });
+        let mut plan = Plan { nodes: copied(nodes)?, references: with_room(held.sum())?, ..Plan::default() };
+        for node in &mut plan.nodes {
+            match node {
+                PlanNode::Inner { right, .. } => *right -= root as u32,
+                PlanNode::Leaf { first, count } => {
+                    let ids = self.work.ids(*first, *count);
+                    *first = plan.references.len() as u32;
+                    plan.references.extend_from_slice(ids);
+                }
+            }
+        }
+        let mut ends = copied(&self.work.ends[range.clone()])?;
+        ends.iter_mut().for_each(|end| *end -= root as u32);
+        Ok(Self {
+            work: Work { plan, ends, areas: copied(&self.work.areas[range.clone()])? },
+            counts: copied(&self.counts[range.clone()])?,
+            leaves: copied(&self.leaves[range.clone()])?,
+            most: copied(&self.most[range])?,
+            marks: Vec::new(),
+            leaf_at_most: self.leaf_at_most,
+        })
+    }
+
+    /// Hoists at most one triangle a node, but for subtrees of at most `leave` nodes: these are left, and returned, ascending.
+    /// Moves the progress by `each` a node.
+    pub(super) fn run(
+        &mut self,
+        hoisting: &Hoisting,
+        picker: &mut Picker<'_>,
+        builder: &Builder<'_>,
+        leave: usize,
+        each: f64,
+    ) -> Result<Vec<usize>, BuildError> {
+        let (mut at, mut visited, mut left) = (0, 0, Vec::new());
+        for steps in 0.. {
+            if at >= self.work.plan.nodes.len() {
+                break;
+            }
+            if steps % 64 == 63 {
+                builder.check()?;
+                builder.progress().advance(each * f64::from(visited));
+                visited = 0;
+            }
+            let end = self.work.ends[at] as usize;
+            match self.work.plan.nodes[at] {
+                PlanNode::Leaf { .. } => {
+                    visited += (end - at) as u32;
+                    at = end;
+                }
+                PlanNode::Inner { .. } if end - at <= leave => {
+                    push(&mut left, at)?;
+                    at = end;
+                }
+                PlanNode::Inner { .. } => {
+                    self.visit(at, hoisting, picker, builder)?;
+                    visited += 1;
+                    at += 1;
+                }
+            }
+        }
+        builder.progress().advance(each * f64::from(visited));
+        Ok(left)
+    }
+
     fn visit(
         &mut self,
         at: usize,
@@ -121,8 +136,8 @@ impl Pass {
     /// The fewest leaves that the frequency measure may divide by.
     fn least_denominator(&self, at: usize, hoisting: &Hoisting) -> f64 {
         match hoisting.leaves {
-            super::CountedLeaves::All => f64::from(self.leaves[at]),
-            super::CountedLeaves::NotEmpty => 0.0,
+            CountedLeaves::All => f64::from(self.leaves[at]),
+            CountedLeaves::NotEmpty => 0.0,
         }
     }
 

@@ -1,0 +1,204 @@
+//! T-references without rebuilding: one top-down pass over the finished tree.
+//!
+//! Source: Choi, Chang & Ihm 2013 build every subtree anew after a pick and name avoiding that as future work.
+//!
+//! Deviations
+//! 1. The picked triangle is taken out of the leaves below, and the builder's leaf rule is applied again to
+//!    the counts that remain. Splits stay where they are. `docs/paper-tree.md` holds the comparison.
+//! 2. What is picked in a node depends on its subtree and on what was picked above. So the top is visited first, and then
+//!    the subtrees below it, each by one thread: the result is that of one pass.
+
+mod pass;
+
+use super::measures::Picker;
+use super::options::Hoisting;
+use super::work::Work;
+use crate::build::memory::{filled, with_room};
+use crate::build::{BuildError, Builder, Plan, PlanNode};
+use crate::geometry::Aabb;
+use pass::Pass;
+use rayon::prelude::*;
+use std::sync::Mutex;
+
+/// Subtrees of at most so many nodes are visited by one thread each: a thousand triangles or so.
+const PART: usize = 4096;
+
+/// Hoists at most one triangle a node, top-down.
+pub(crate) fn hoist(
+    mut plan: Plan,
+    voxel: Aabb,
+    hoisting: &Hoisting,
+    builder: &Builder<'_>,
+    share: f64,
+) -> Result<Plan, BuildError> {
+    let triangles = builder.mesh().len();
+    let each = share / plan.nodes.len().max(1) as f64;
+    let counts = std::mem::take(&mut plan.counts);
+    let most = most_leaves_of_one(&plan, triangles, builder)?;
+    let mut top = Pass::new(Work::new(plan, &voxel, builder)?, counts, most, builder)?;
+    let mut picker = Picker::new(hoisting, triangles)?;
+    // One thread has nothing to gain from parts, which cost it 1 to 4 % of a build.
+    if top.work.plan.nodes.len() <= PART || rayon::current_num_threads() == 1 {
+        top.run(hoisting, &mut picker, builder, 0, each)?;
+        return top.work.into_plan(builder);
+    }
+    let roots = top.run(hoisting, &mut picker, builder, PART, each)?;
+    let mut nodes = std::mem::take(&mut top.work.plan.nodes);
+    let pickers = Mutex::new(vec![picker]);
+    let visit = |(root, nodes): (usize, &mut [PlanNode])| {
+        let mut pass = top.part(root, nodes)?;
+        let free = pickers.lock().expect("no worker panics").pop();
+        let mut picker = match free {
+            Some(picker) => picker,
+            None => {
+                builder.memory.take(size_of::<u32>() * triangles)?;
+                Picker::new(hoisting, triangles)?
+            }
+        };
+        pass.run(hoisting, &mut picker, builder, 0, each)?;
+        pickers.lock().expect("no worker panics").push(picker);
+        let mut plan = pass.work.into_plan(builder)?;
+        // In place: cutting leaves fewer nodes.
+        nodes[..plan.nodes.len()].copy_from_slice(&plan.nodes);
+        let count = plan.nodes.len();
+        plan.nodes = Vec::new();
+        builder.memory.take(plan.bytes())?;
+        Ok(Part { root, count, plan })
+    };
+    let slices = disjoint(&mut nodes, &roots, &top.work.ends);
+    let parts =
+        slices.into_par_iter().with_max_len(1).map(visit).collect::<Result<Vec<Part>, BuildError>>()?;
+    let beside: usize = parts.iter().map(|part| part.plan.bytes()).sum();
+    let more = pickers.into_inner().expect("no worker panics").len() - 1;
+    top.work.plan.nodes = nodes;
+    let plan = joined(top.work, parts, builder)?;
+    builder.memory.give(beside + more * size_of::<u32>() * triangles);
+    Ok(plan)
+}
+
+/// A subtree after its pass. Its first `count` nodes, which point into `plan`, stand from `root` on in the whole.
+struct Part {
+    root: usize,
+    count: usize,
+    /// Without nodes.
+    plan: Plan,
+}
+
+/// The nodes of the subtrees at `roots`, ascending.
+fn disjoint<'a>(
+    mut nodes: &'a mut [PlanNode],
+    roots: &[usize],
+    ends: &[u32],
+) -> Vec<(usize, &'a mut [PlanNode])> {
+    let mut passed = 0;
+    let mut slices = Vec::with_capacity(roots.len());
+    for &root in roots {
+        let end = ends[root] as usize;
+        let (_, from_root) = nodes.split_at_mut(root - passed);
+        let (own, behind) = from_root.split_at_mut(end - root);
+        slices.push((root, own));
+        (nodes, passed) = (behind, end);
+    }
+    slices
+}
+
+/// The top with its parts, without what was cut off.
+fn joined(work: Work, parts: Vec<Part>, builder: &Builder<'_>) -> Result<Plan, BuildError> {
+    let Work { plan, ends, areas } = work;
+    drop(areas);
+    let Plan { mut nodes, references: old, hoisted: of_top, collapsed, .. } = plan;
+    let in_parts = |of: fn(&Plan) -> usize| parts.iter().map(|part| of(&part.plan)).sum::<usize>();
+    let mut hoisted = with_room(of_top.len() + in_parts(|plan| plan.hoisted.len()))?;
+    let mut references =
+        with_room(in_parts(|plan| plan.references.len()) + references_of_top(&nodes, &ends, &parts))?;
+    let (mut parts, mut of_top) = (parts.into_iter().peekable(), of_top.into_iter().peekable());
+    // Parents whose right child is still to come, innermost last.
+    let mut open: Vec<(usize, u32)> = Vec::new();
+    // Nodes only move forward: they are compacted in place.
+    let (mut at, mut here) = (0, 0);
+    while at < nodes.len() {
+        builder.check_at(here)?;
+        while let Some((parent, _)) = open.pop_if(|&mut (_, right)| right as usize == at) {
+            if let PlanNode::Inner { right, .. } = &mut nodes[parent] {
+                *right = here as u32;
+            }
+        }
+        if let Some((_, triangle)) = of_top.next_if(|&(node, _)| node as usize == at) {
+            hoisted.push((here as u32, triangle));
+        }
+        if let Some(Part { root, count, plan }) = parts.next_if(|part| part.root == at) {
+            let moved = references.len() as u32;
+            for i in 0..count {
+                nodes[here + i] = match nodes[root + i] {
+                    PlanNode::Inner { axis, split, right } => {
+                        PlanNode::Inner { axis, split, right: right + here as u32 }
+                    }
+                    PlanNode::Leaf { first, count } => PlanNode::Leaf { first: first + moved, count },
+                };
+            }
+            references.extend_from_slice(&plan.references);
+            hoisted.extend(plan.hoisted.iter().map(|&(node, triangle)| (node + here as u32, triangle)));
+            (at, here) = (ends[at] as usize, here + count);
+            continue;
+        }
+        nodes[here] = match nodes[at] {
+            node @ PlanNode::Inner { right, .. } => {
+                open.push((here, right));
+                at += 1;
+                node
+            }
+            PlanNode::Leaf { first, count } => {
+                let moved = references.len() as u32;
+                references.extend_from_slice(&old[first as usize..(first + count) as usize]);
+                at = ends[at] as usize;
+                PlanNode::Leaf { first: moved, count }
+            }
+        };
+        here += 1;
+    }
+    nodes.truncate(here);
+    nodes.shrink_to_fit();
+    Ok(Plan { nodes, references, counts: Vec::new(), hoisted, collapsed })
+}
+
+/// References in the leaves above the parts.
+fn references_of_top(nodes: &[PlanNode], ends: &[u32], parts: &[Part]) -> usize {
+    let (mut at, mut total) = (0, 0);
+    let mut parts = parts.iter().peekable();
+    while at < nodes.len() {
+        if parts.next_if(|part| part.root == at).is_some() {
+            at = ends[at] as usize;
+            continue;
+        }
+        at = match nodes[at] {
+            PlanNode::Inner { .. } => at + 1,
+            PlanNode::Leaf { count, .. } => {
+                total += count as usize;
+                ends[at] as usize
+            }
+        };
+    }
+    total
+}
+
+/// Per node, the most leaves of the whole tree that hold one and the same triangle of this subtree: an upper bound
+/// that rules most large subtrees out.
+fn most_leaves_of_one(plan: &Plan, triangles: usize, builder: &Builder<'_>) -> Result<Vec<u32>, BuildError> {
+    let mut per_triangle = filled(0u32, triangles)?;
+    for (at, &id) in plan.references.iter().enumerate() {
+        builder.check_at(at)?;
+        per_triangle[id as usize] += 1;
+    }
+    let mut most = filled(0, plan.nodes.len())?;
+    for at in (0..plan.nodes.len()).rev() {
+        builder.check_at(at)?;
+        most[at] = match plan.nodes[at] {
+            PlanNode::Inner { right, .. } => most[at + 1].max(most[right as usize]),
+            PlanNode::Leaf { first, count } => {
+                let ids = &plan.references[first as usize..(first + count) as usize];
+                ids.iter().map(|&id| per_triangle[id as usize]).max().unwrap_or(0)
+            }
+        };
+    }
+    Ok(most)
+}
