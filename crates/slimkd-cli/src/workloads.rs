@@ -18,6 +18,8 @@ const TILE: u32 = 32;
 const TILE_RAYS: usize = (TILE * TILE) as usize;
 /// Secondary rays start this far above their surface, in diagonals of the scene.
 const LIFT: f32 = 1e-5;
+/// Shadow rays that tell whether a light does, about.
+const LIGHT_SAMPLE: usize = 1024;
 /// Seed of the bounces; random segments use the next one.
 const SEED: u64 = 2013;
 
@@ -65,12 +67,28 @@ pub(crate) fn all(
 ) -> Vec<Workload> {
     let bounds = tree.bounds();
     let up = scene.up.unwrap_or_default().vector();
-    let lights: Vec<_> = views.iter().map(|view| light(scene, tree, &view.camera, up)).collect();
+    let view_of = |index: usize| index / TILE_RAYS % views.len();
+    let starts: Vec<(usize, Start)> = primary
+        .iter()
+        .zip(hits)
+        .enumerate()
+        .filter_map(|(index, (ray, hit))| {
+            Some((view_of(index), Start::new(&scene.mesh, ray, &(*hit)?, &bounds)?))
+        })
+        .collect();
+    let lights: Vec<_> = views
+        .iter()
+        .enumerate()
+        .map(|(number, view)| {
+            let seen: Vec<&Start> =
+                starts.iter().filter(|(of, _)| *of == number).map(|(_, start)| start).collect();
+            light(scene, tree, &view.camera, up, &seen)
+        })
+        .collect();
     let mut random = fastrand::Rng::with_seed(SEED);
     let (mut shadow, mut bounce) = (Vec::new(), Vec::new());
-    for (index, (ray, hit)) in primary.iter().zip(hits).enumerate() {
-        let Some(start) = hit.and_then(|hit| Start::new(&scene.mesh, ray, &hit, &bounds)) else { continue };
-        shadow.extend(lights[index / TILE_RAYS % lights.len()].map(|light| start.towards(&light)));
+    for (view, start) in &starts {
+        shadow.extend(lights[*view].map(|light| start.towards(&light)));
         bounce.push(Ray::new(start.point, start.normal + sphere(&mut random)));
     }
     let segments = segments(&bounds, primary.len());
@@ -88,10 +106,18 @@ fn deinterleave(bits: u32) -> (u32, u32) {
     (even(bits), even(bits >> 1))
 }
 
-/// The light that shadow rays go to: the scene's first, or the last that a picture of this view would get, which is
-/// the lamp indoors and the sun outdoors.
-fn light(scene: &Scene, tree: &KdTree, camera: &Camera, up: Vec3) -> Option<Light> {
-    scene.lights.first().copied().or_else(|| default_lights(tree, camera, up).pop())
+/// The light that a view's shadow rays go to. The scene's in their order, then those that a picture would get but for its headlight,
+/// the lamp indoors before the sun: the first that some of these points see and others do not, else the first of all. A rate
+/// over rays that are all blocked, or all free, would be one of half the work.
+fn light(scene: &Scene, tree: &KdTree, camera: &Camera, up: Vec3, from: &[&Start]) -> Option<Light> {
+    let found = default_lights(tree, camera, up);
+    let lights: Vec<Light> = scene.lights.iter().copied().chain(found.into_iter().skip(1).rev()).collect();
+    let step = from.len().div_ceil(LIGHT_SAMPLE).max(1);
+    let is_mixed = |light: &&Light| {
+        let mut blocked = from.iter().step_by(step).map(|start| tree.any_hit(&start.towards(light)));
+        blocked.next().is_some_and(|first| blocked.any(|other| other != first))
+    };
+    lights.iter().find(is_mixed).or(lights.first()).copied()
 }
 
 /// Where a secondary ray starts.
