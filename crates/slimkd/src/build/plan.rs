@@ -15,6 +15,16 @@ pub(crate) enum PlanNode {
     Leaf { first: u32, count: u32 },
 }
 
+impl PlanNode {
+    /// The same node behind so many other nodes and references.
+    pub(crate) fn shifted(self, nodes: u32, references: u32) -> Self {
+        match self {
+            Self::Inner { axis, split, right } => Self::Inner { axis, split, right: right + nodes },
+            Self::Leaf { first, count } => Self::Leaf { first: first + references, count },
+        }
+    }
+}
+
 /// A whole tree before encoding. Never without a node.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Plan {
@@ -59,10 +69,7 @@ impl Plan {
     /// Appends a subtree that was built on its own.
     pub(crate) fn append(&mut self, subtree: &Plan) {
         let (nodes, references) = (self.nodes.len() as u32, self.references.len() as u32);
-        self.nodes.extend(subtree.nodes.iter().map(|&node| match node {
-            PlanNode::Inner { axis, split, right } => PlanNode::Inner { axis, split, right: right + nodes },
-            PlanNode::Leaf { first, count } => PlanNode::Leaf { first: first + references, count },
-        }));
+        self.nodes.extend(subtree.nodes.iter().map(|node| node.shifted(nodes, references)));
         self.references.extend_from_slice(&subtree.references);
         self.counts.extend_from_slice(&subtree.counts);
         self.hoisted.extend(subtree.hoisted.iter().map(|&(node, triangle)| (node + nodes, triangle)));

@@ -95,12 +95,19 @@ impl Work {
 
     /// Drops what was cut off. T-references of nodes that are leaves now must not exist.
     pub(crate) fn into_plan(self, builder: &Builder<'_>) -> Result<Plan, BuildError> {
+        self.joined(Vec::new(), builder)
+    }
+
+    /// The same, with subtrees that were reduced on their own, ascending.
+    pub(crate) fn joined(self, parts: Vec<Part>, builder: &Builder<'_>) -> Result<Plan, BuildError> {
         let Self { plan, ends, areas } = self;
         drop(areas);
         let Plan { mut nodes, references: old, hoisted: old_hoisted, collapsed, .. } = plan;
-        let mut references = with_room(kept_references(&nodes, &ends))?;
-        let mut hoisted = with_room(old_hoisted.len())?;
-        let mut old_hoisted = old_hoisted.iter().peekable();
+        let in_parts = |of: fn(&Plan) -> usize| parts.iter().map(|part| of(&part.plan)).sum::<usize>();
+        let kept = kept_references(&nodes, &ends, &parts) + in_parts(|plan| plan.references.len());
+        let mut references = with_room(kept)?;
+        let mut hoisted = with_room(old_hoisted.len() + in_parts(|plan| plan.hoisted.len()))?;
+        let (mut parts, mut old_hoisted) = (parts.into_iter().peekable(), old_hoisted.iter().peekable());
         // Parents whose right child is still to come, innermost last.
         let mut open: Vec<(usize, u32)> = Vec::new();
         // Nodes only move forward: they are compacted in place.
@@ -117,6 +124,16 @@ impl Work {
                     hoisted.push((here as u32, triangle));
                 }
             }
+            let moved = references.len() as u32;
+            if let Some(Part { root, count, plan }) = parts.next_if(|part| part.root == at) {
+                for i in 0..count {
+                    nodes[here + i] = nodes[root + i].shifted(here as u32, moved);
+                }
+                references.extend_from_slice(&plan.references);
+                hoisted.extend(plan.hoisted.iter().map(|&(node, triangle)| (node + here as u32, triangle)));
+                (at, here) = (ends[at] as usize, here + count);
+                continue;
+            }
             let node = nodes[at];
             match node {
                 PlanNode::Inner { right, .. } => {
@@ -125,7 +142,6 @@ impl Work {
                     at += 1;
                 }
                 PlanNode::Leaf { first, count } => {
-                    let moved = references.len() as u32;
                     references.extend_from_slice(&old[first as usize..(first + count) as usize]);
                     nodes[here] = PlanNode::Leaf { first: moved, count };
                     at = ends[at] as usize;
@@ -139,16 +155,27 @@ impl Work {
     }
 }
 
-/// References in the leaves that were not cut off.
-fn kept_references(nodes: &[PlanNode], ends: &[u32]) -> usize {
+/// A subtree that was reduced on its own. Its first `count` nodes, which point into `plan`, stand from `root` on in the whole.
+pub(crate) struct Part {
+    pub(crate) root: usize,
+    pub(crate) count: usize,
+    /// Without nodes.
+    pub(crate) plan: Plan,
+}
+
+/// References in the leaves that were not cut off, but for those of the parts.
+fn kept_references(nodes: &[PlanNode], ends: &[u32], parts: &[Part]) -> usize {
     let (mut at, mut total) = (0, 0);
+    let mut parts = parts.iter().peekable();
     while at < nodes.len() {
+        let is_part = parts.next_if(|part| part.root == at).is_some();
         at = match nodes[at] {
-            PlanNode::Inner { .. } => at + 1,
-            PlanNode::Leaf { count, .. } => {
+            PlanNode::Inner { .. } if !is_part => at + 1,
+            PlanNode::Leaf { count, .. } if !is_part => {
                 total += count as usize;
                 ends[at] as usize
             }
+            _ => ends[at] as usize,
         };
     }
     total

@@ -12,8 +12,8 @@ mod pass;
 
 use super::measures::Picker;
 use super::options::Hoisting;
-use super::work::Work;
-use crate::build::memory::{filled, with_room};
+use super::work::{Part, Work};
+use crate::build::memory::filled;
 use crate::build::{BuildError, Builder, Plan, PlanNode};
 use crate::geometry::Aabb;
 use pass::Pass;
@@ -71,17 +71,9 @@ pub(crate) fn hoist(
     let beside: usize = parts.iter().map(|part| part.plan.bytes()).sum();
     let more = pickers.into_inner().expect("no worker panics").len() - 1;
     top.work.plan.nodes = nodes;
-    let plan = joined(top.work, parts, builder)?;
+    let plan = top.work.joined(parts, builder)?;
     builder.memory.give(beside + more * size_of::<u32>() * triangles);
     Ok(plan)
-}
-
-/// A subtree after its pass. Its first `count` nodes, which point into `plan`, stand from `root` on in the whole.
-struct Part {
-    root: usize,
-    count: usize,
-    /// Without nodes.
-    plan: Plan,
 }
 
 /// The nodes of the subtrees at `roots`, ascending.
@@ -100,85 +92,6 @@ fn disjoint<'a>(
         (nodes, passed) = (behind, end);
     }
     slices
-}
-
-/// The top with its parts, without what was cut off.
-fn joined(work: Work, parts: Vec<Part>, builder: &Builder<'_>) -> Result<Plan, BuildError> {
-    let Work { plan, ends, areas } = work;
-    drop(areas);
-    let Plan { mut nodes, references: old, hoisted: of_top, collapsed, .. } = plan;
-    let in_parts = |of: fn(&Plan) -> usize| parts.iter().map(|part| of(&part.plan)).sum::<usize>();
-    let mut hoisted = with_room(of_top.len() + in_parts(|plan| plan.hoisted.len()))?;
-    let mut references =
-        with_room(in_parts(|plan| plan.references.len()) + references_of_top(&nodes, &ends, &parts))?;
-    let (mut parts, mut of_top) = (parts.into_iter().peekable(), of_top.into_iter().peekable());
-    // Parents whose right child is still to come, innermost last.
-    let mut open: Vec<(usize, u32)> = Vec::new();
-    // Nodes only move forward: they are compacted in place.
-    let (mut at, mut here) = (0, 0);
-    while at < nodes.len() {
-        builder.check_at(here)?;
-        while let Some((parent, _)) = open.pop_if(|&mut (_, right)| right as usize == at) {
-            if let PlanNode::Inner { right, .. } = &mut nodes[parent] {
-                *right = here as u32;
-            }
-        }
-        if let Some((_, triangle)) = of_top.next_if(|&(node, _)| node as usize == at) {
-            hoisted.push((here as u32, triangle));
-        }
-        if let Some(Part { root, count, plan }) = parts.next_if(|part| part.root == at) {
-            let moved = references.len() as u32;
-            for i in 0..count {
-                nodes[here + i] = match nodes[root + i] {
-                    PlanNode::Inner { axis, split, right } => {
-                        PlanNode::Inner { axis, split, right: right + here as u32 }
-                    }
-                    PlanNode::Leaf { first, count } => PlanNode::Leaf { first: first + moved, count },
-                };
-            }
-            references.extend_from_slice(&plan.references);
-            hoisted.extend(plan.hoisted.iter().map(|&(node, triangle)| (node + here as u32, triangle)));
-            (at, here) = (ends[at] as usize, here + count);
-            continue;
-        }
-        nodes[here] = match nodes[at] {
-            node @ PlanNode::Inner { right, .. } => {
-                open.push((here, right));
-                at += 1;
-                node
-            }
-            PlanNode::Leaf { first, count } => {
-                let moved = references.len() as u32;
-                references.extend_from_slice(&old[first as usize..(first + count) as usize]);
-                at = ends[at] as usize;
-                PlanNode::Leaf { first: moved, count }
-            }
-        };
-        here += 1;
-    }
-    nodes.truncate(here);
-    nodes.shrink_to_fit();
-    Ok(Plan { nodes, references, counts: Vec::new(), hoisted, collapsed })
-}
-
-/// References in the leaves above the parts.
-fn references_of_top(nodes: &[PlanNode], ends: &[u32], parts: &[Part]) -> usize {
-    let (mut at, mut total) = (0, 0);
-    let mut parts = parts.iter().peekable();
-    while at < nodes.len() {
-        if parts.next_if(|part| part.root == at).is_some() {
-            at = ends[at] as usize;
-            continue;
-        }
-        at = match nodes[at] {
-            PlanNode::Inner { .. } => at + 1,
-            PlanNode::Leaf { count, .. } => {
-                total += count as usize;
-                ends[at] as usize
-            }
-        };
-    }
-    total
 }
 
 /// Per node, the most leaves of the whole tree that hold one and the same triangle of this subtree: an upper bound
