@@ -1,12 +1,13 @@
 //! The indexed triangle mesh: 12 bytes a vertex and 12 bytes a triangle, nothing else.
 
 use super::{Aabb, is_degenerate};
-use rayon::prelude::*;
+use crate::threads;
+use std::fmt;
 use thiserror::Error;
 
 /// Vertices and triangles, in the order of the input. A triangle's position in [`TriangleMesh::triangles`] is its
 /// public id. Not finite positions and collinear triangles are allowed: such triangles never hit.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Default, PartialEq)]
 pub struct TriangleMesh {
     vertices: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
@@ -99,26 +100,23 @@ impl TriangleMesh {
         // So many at a time, so that little is held twice.
         for first in (0..self.len()).step_by(1 << 20) {
             let ids = first as u32..self.len().min(first + (1 << 20)) as u32;
-            let pieces: Vec<(Vec<u32>, Aabb)> = (ids.start..ids.end)
-                .into_par_iter()
-                .step_by(1 << 14)
-                .map(|first| {
-                    if stop() {
-                        return None;
+            let pieces = threads::map(ids.clone().step_by(1 << 14), |first| {
+                if stop() {
+                    return Err(());
+                }
+                let mut keep = Vec::new();
+                keep.try_reserve_exact(1 << 14).map_err(|_| ())?;
+                let mut bounds = Aabb::EMPTY;
+                for id in first..ids.end.min(first + (1 << 14)) {
+                    let corners = self.corners(id);
+                    if !is_degenerate(&corners) {
+                        keep.push(id);
+                        corners.into_iter().for_each(|corner| bounds.include(corner));
                     }
-                    let mut keep = Vec::new();
-                    keep.try_reserve_exact(1 << 14).ok()?;
-                    let mut bounds = Aabb::EMPTY;
-                    for id in first..ids.end.min(first + (1 << 14)) {
-                        let corners = self.corners(id);
-                        if !is_degenerate(&corners) {
-                            keep.push(id);
-                            corners.into_iter().for_each(|corner| bounds.include(corner));
-                        }
-                    }
-                    Some((keep, bounds))
-                })
-                .collect::<Option<_>>()?;
+                }
+                Ok((keep, bounds))
+            })
+            .ok()?;
             for (ids, part) in pieces {
                 keep.extend_from_slice(&ids);
                 bounds = bounds.union(&part);
@@ -130,5 +128,11 @@ impl TriangleMesh {
     /// Bytes of the two buffers: 12 a vertex, 12 a triangle.
     pub fn memory_bytes(&self) -> u64 {
         12 * (self.vertices.len() as u64 + self.triangles.len() as u64)
+    }
+}
+
+impl fmt::Debug for TriangleMesh {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "TriangleMesh({} vertices, {} triangles)", self.vertices.len(), self.triangles.len())
     }
 }

@@ -1,5 +1,7 @@
 //! The shape of a tree in numbers.
 
+use crate::layout::LeafMode;
+
 /// Nodes by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NodeCounts {
@@ -22,14 +24,6 @@ pub struct LeafReferences {
     pub two_byte: u64,
     /// In any other mode: the dense layout's byte codes.
     pub other: u64,
-}
-
-/// How a leaf writes its ids.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum LeafMode {
-    FourByte,
-    TwoByte,
-    Coded,
 }
 
 impl LeafReferences {
