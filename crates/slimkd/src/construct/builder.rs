@@ -6,7 +6,7 @@ use super::split::Scratch;
 use crate::geometry::Aabb;
 use crate::job::Job;
 use crate::job::memory::with_room;
-use crate::options::BuildError;
+use crate::options::{BuildError, Countable};
 use crate::plan::{Plan, PlanNode};
 use crate::threads;
 use std::sync::Mutex;
@@ -28,7 +28,7 @@ impl<'a> Builder<'a> {
     pub(crate) fn new(job: &'a Job<'a>, bounds: Aabb, budget: Option<u64>) -> Result<Self, BuildError> {
         let (needed, limit) = (job.mesh.len() as u64, TRIANGLE_LIMIT);
         if needed > limit {
-            return Err(BuildError::TooLarge { what: "triangles", needed, limit });
+            return Err(BuildError::TooLarge { what: Countable::Triangles, needed, limit });
         }
         Ok(Self { job, bounds, budget, scratch: Mutex::new(Vec::new()) })
     }

@@ -134,7 +134,7 @@ impl<B: AsRef<[u8]>> OpenTree<B> {
     /// # Errors
     /// As [`KdTree::read`].
     pub fn verify(&self) -> Result<KdTree, FileError> {
-        KdTree::read(&mut self.bytes.as_ref())
+        KdTree::read(self.bytes.as_ref())
     }
 
     /// Proves what [`OpenTree::verify`] proves, and that no triangle is missing anywhere ([`KdTree::check_complete`]): then the

@@ -304,6 +304,7 @@ impl std::fmt::Debug for Batch<'_> {
 
 /// All hits of a batch's rays, ray after ray.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BatchHits {
     /// Where each ray's hits begin in `hits`, and at the end the number of all hits: one more than there are rays.
     pub splits: Vec<usize>,

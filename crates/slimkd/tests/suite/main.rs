@@ -10,6 +10,8 @@ mod budget;
 mod coherent;
 mod complete;
 mod file;
+mod inline_chain;
+mod interop;
 mod invariants;
 mod layers;
 mod open;

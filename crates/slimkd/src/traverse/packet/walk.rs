@@ -202,7 +202,8 @@ unsafe fn offer<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const ANY
     count(|c| c.triangles += ids.len() as u64);
     // SAFETY: the caller says that the ids come from this tree.
     let mut next = unsafe { nodes.corners(ids[0]) };
-    for (index, &id) in ids.iter().enumerate() {
+    for index in 0..ids.len() {
+        let id = ids[index];
         let at = next;
         if let Some(&after) = ids.get(index + 1) {
             // SAFETY: as before.

@@ -98,9 +98,9 @@ impl Prepared {
         let rest = &rays[first..];
         let count = rest.len().min(16);
         let mut numbers = [0; 16];
-        for (lane, number) in numbers.iter_mut().enumerate() {
+        for lane in 0..16 {
             // Lanes behind the end repeat the last ray.
-            *number = lane.min(count - 1) as u32;
+            numbers[lane] = lane.min(count - 1) as u32;
         }
         let numbers = s.load_u32(&numbers);
         // The next 16, two rays a line: they arrive while these are traced.
