@@ -7,6 +7,7 @@ mod allocator;
 mod args;
 mod cameras;
 mod commands;
+mod cut_short;
 mod device;
 mod failure;
 mod interrupt;

@@ -12,7 +12,7 @@ use crate::threads;
 use std::sync::Mutex;
 
 /// Fragments that one thread makes at a time: 1 MB, which fits a core's cache.
-pub(super) const CHUNK: usize = 32_768;
+pub(super) const FRAGMENTS_A_PIECE: usize = 32_768;
 
 /// Builds trees over parts of one mesh.
 pub(crate) struct Builder<'a> {
@@ -68,7 +68,7 @@ impl<'a> Builder<'a> {
 
     /// One fragment a triangle, in pieces.
     fn fragments(&self, triangles: &[u32]) -> Result<Vec<Vec<Fragment>>, BuildError> {
-        threads::map(triangles.chunks(CHUNK), |ids| {
+        threads::map(triangles.chunks(FRAGMENTS_A_PIECE), |ids| {
             self.job.check()?;
             let mut piece = with_room(ids.len())?;
             piece.extend(ids.iter().map(|&id| Fragment::whole(self.job.mesh, id)));

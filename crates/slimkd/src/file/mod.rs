@@ -109,7 +109,7 @@ pub enum FileError {
 }
 
 impl FileError {
-    /// The same error, of this file.
+    /// This error with the file that it is about.
     fn at(self, path: &Path) -> Self {
         Self::At { path: path.to_owned(), source: Box::new(self) }
     }

@@ -149,7 +149,7 @@ impl TriangleMesh {
         self.valid_triangles_until(|| false).expect("memory for the ids")
     }
 
-    /// The same; `None` once `stop` says so, or where there is no memory for the ids.
+    /// [`TriangleMesh::valid_triangles`], but `None` once `stop` says so, or where there is no memory for the ids.
     pub(crate) fn valid_triangles_until(&self, stop: impl Fn() -> bool + Sync) -> Option<(Vec<u32>, Aabb)> {
         let mut keep: Vec<u32> = Vec::new();
         keep.try_reserve_exact(self.len()).ok()?;

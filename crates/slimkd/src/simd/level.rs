@@ -86,7 +86,7 @@ impl InstructionSet {
             // SAFETY: `or_below` returns only what `is_available` found.
             Self::Avx512 => unsafe { run_avx512(kernel) },
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: as above.
+            // SAFETY: `or_below` returns only what `is_available` found.
             Self::Avx2 => unsafe { run_avx2(kernel) },
             #[cfg(target_arch = "x86_64")]
             // SAFETY: SSE2 is part of x86-64.

@@ -128,7 +128,6 @@ impl<S: Simd> Simd for Twice<S> {
         lt_u32(a: U, b: U) -> M;
         select(mask: M, yes: F, no: F) -> F;
         select_u32(mask: M, yes: U, no: U) -> U;
-        select_f64(mask: M, yes: D, no: D) -> D;
         cast_u32(x: F) -> U;
         cast_f32(x: U) -> F;
         widen(x: F) -> D;

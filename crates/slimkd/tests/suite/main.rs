@@ -6,6 +6,7 @@ mod exact;
 #[path = "../common/skd.rs"]
 mod skd;
 
+mod api;
 mod budget;
 mod coherent;
 mod complete;
