@@ -1,6 +1,6 @@
 //! A scene: a mesh and what is needed to make a picture of it.
 
-use crate::{Camera, Light, Material, Texture, UpAxis};
+use crate::{Camera, Light, Material, Texture, UpAxis, Warning};
 use slimkd::TriangleMesh;
 use std::sync::Arc;
 
@@ -46,8 +46,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Which way is up; `None` when the format does not say.
     pub up: Option<UpAxis>,
-    /// What a file's loader left out or replaced, one line each: missing textures and the like.
-    pub warnings: Vec<String>,
+    /// What a file's loader left out, replaced or found odd: missing textures and the like.
+    pub warnings: Vec<Warning>,
 }
 
 impl Scene {
