@@ -78,7 +78,7 @@ fn explain(error: &clap::Error) -> ExitCode {
 }
 
 fn run(cli: &Cli) -> Result<(), Failure> {
-    let ui = Ui::new(cli.quiet);
+    let ui = Ui::new(cli.quiet).strict(cli.strict);
     match &cli.command {
         Command::Render(args) => commands::render::run(args, ui),
         Command::Build(args) => commands::build::run(args, ui),

@@ -5,6 +5,7 @@ use crate::trees::{Tree, thread_count};
 use crate::ui::{bytes, grouped};
 use serde::Serialize;
 use slimkd::{HoistAlgorithm, Layout, MemoryReport, TreeStatistics};
+use slimkd_scene::Warning;
 use std::fmt::Write;
 use std::num::NonZeroUsize;
 
@@ -26,6 +27,8 @@ pub(crate) struct Report {
     max_depth: u32,
     sah_cost: f64,
     seconds: Seconds,
+    /// What the scene's loader left out, replaced or found odd, a line each.
+    warnings: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     savings: Option<Savings>,
 }
@@ -137,8 +140,14 @@ impl Report {
             max_depth,
             sah_cost,
             seconds: Seconds { load: tree.origin.load_seconds, build: tree.cost.map(|cost| cost.seconds) },
+            warnings: Vec::new(),
             savings: None,
         }
+    }
+
+    /// The report with what the scene's loader warned of.
+    pub(crate) fn with_warnings(self, warnings: &[Warning]) -> Self {
+        Self { warnings: warnings.iter().map(Warning::to_string).collect(), ..self }
     }
 
     /// The report with what makes the tree small.

@@ -8,7 +8,7 @@ use crate::trees::Origin;
 use crate::ui::{Ui, Watched, grouped};
 use slimkd::KdTree;
 use slimkd_scene::procedural::{self, BuiltIn};
-use slimkd_scene::{FileKind, LoadError, LoadProgress, Scene};
+use slimkd_scene::{FileKind, LoadError, LoadProgress, Scene, Warning};
 use std::fmt::Write;
 use std::fs::File;
 use std::num::NonZeroU32;
@@ -76,8 +76,24 @@ pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded
             }
             other => Failure::at(path, other),
         })?;
+    tell(path, &scene.warnings, ui)?;
     let place = path.display().to_string();
     Ok(Loaded { scene, place, seconds: started.elapsed().as_secs_f64(), tree: None })
+}
+
+/// Tells what the loader warns of, one line each; with `--strict` that is an error.
+fn tell(path: &Path, warnings: &[Warning], ui: Ui) -> Result<(), Failure> {
+    for warning in warnings {
+        ui.warn(format_args!("{}: {warning}", path.display()));
+    }
+    match warnings {
+        [first, rest @ ..] if ui.is_strict() => {
+            let more = if rest.is_empty() { String::new() } else { format!(" (and {} more)", rest.len()) };
+            let fix = "mend the file, or leave out --strict";
+            Err(Failure::at(path, format_args!("{first}{more}; {fix}")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Refuses what [`load`] would refuse unread.

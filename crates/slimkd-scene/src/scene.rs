@@ -38,6 +38,10 @@ pub struct Scene {
     pub normals: Option<Attribute<[f32; 3]>>,
     /// Texture coordinates.
     pub uvs: Option<Attribute<[f32; 2]>>,
+    /// Colours of vertices or corners: sRGB and opacity, 0 to 255. The renderer does not show them yet.
+    pub colours: Option<Attribute<[u8; 4]>>,
+    /// Colour of each triangle, from formats that colour faces; empty: none has one.
+    pub face_colours: Vec<[u8; 4]>,
     /// Textures that materials refer to.
     pub textures: Vec<Texture>,
     /// Views that the file names; may be empty.

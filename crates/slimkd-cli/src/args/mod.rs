@@ -23,6 +23,9 @@ pub(crate) struct Cli {
     /// Print errors only
     #[arg(long, short, global = true)]
     pub(crate) quiet: bool,
+    /// Fail, with status 1, where a scene file would only be warned of: something in it was left out or replaced
+    #[arg(long, global = true)]
+    pub(crate) strict: bool,
 }
 
 const EXAMPLES: &str = "\

@@ -65,7 +65,7 @@ pub(crate) fn run(args: &BuildArgs, ui: Ui) -> Result<(), Failure> {
         ui.note(format_args!("wrote {}", output.path().display()));
     }
     let savings = args.savings.then(|| Savings::measure(&tree, &options, ui)).transpose()?;
-    let report = Report::new(&tree, args.tree.threads).with_savings(savings);
+    let report = Report::new(&tree, args.tree.threads).with_savings(savings).with_warnings(&scene.warnings);
     if args.json {
         return ui::print_json(&report);
     }

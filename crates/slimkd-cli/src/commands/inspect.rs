@@ -40,7 +40,7 @@ pub(crate) fn run(args: &InspectArgs, ui: Ui) -> Result<(), Failure> {
         let pool = trees::pool(trees::thread_count(args.tree.threads))?;
         trees::prove_complete(&tree, &pool, ui)?;
     }
-    let report = Report::new(&tree, args.tree.threads);
+    let report = Report::new(&tree, args.tree.threads).with_warnings(&loaded.scene.warnings);
     if args.json {
         ui::print_json(&report)
     } else {

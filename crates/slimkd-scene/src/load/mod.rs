@@ -9,6 +9,7 @@ mod error;
 mod gltf;
 mod obj;
 mod ply;
+mod polygon;
 mod progress;
 mod source;
 mod stl;

@@ -12,7 +12,8 @@ pub(super) struct Library(HashMap<String, tobj::Material>);
 impl Library {
     /// Adds what `bytes` define. One broken material costs itself, not the file.
     pub(super) fn add(&mut self, file: &str, bytes: &[u8], warnings: &mut Vec<Warning>) {
-        let text = String::from_utf8_lossy(bytes);
+        let text =
+            String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)).replace('\r', "\n");
         let mut chunk = String::new();
         let mut define = |chunk: &str| match tobj::load_mtl_buf(&mut chunk.as_bytes()) {
             Ok((materials, _)) => {
