@@ -13,7 +13,6 @@ mod interrupt;
 mod kernel;
 mod measure;
 mod output;
-mod ply;
 mod rays;
 mod report;
 mod saved;
@@ -88,6 +87,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Report(args) => commands::report::run(args, ui),
         Command::Devices(args) => commands::devices::run(args),
         Command::Scene(args) => commands::scene::run(args, ui),
+        Command::Convert(args) => commands::convert::run(args, ui),
         Command::Completions(args) => commands::completions::run(args),
     }
 }

@@ -15,6 +15,14 @@ pub(crate) struct SceneArgs {
     pub(crate) details: SceneDetails,
 }
 
+/// More models of one scene.
+#[derive(Clone, Debug, Default, Args)]
+pub(crate) struct MoreScenes {
+    /// More scene files: all become one scene, with triangle ids in this order
+    #[arg(value_name = "SCENE")]
+    pub(crate) more: Vec<PathBuf>,
+}
+
 /// What belongs to a scene beside its name.
 #[derive(Clone, Debug, Default, Args)]
 pub(crate) struct SceneDetails {

@@ -1,13 +1,15 @@
-//! Scene files: PLY, OBJ with MTL, STL, glTF and GLB, each also compressed by zstd or gzip.
+//! Scene files: PLY, OBJ with MTL, STL, OFF, glTF, GLB and grids of heights, each also compressed by zstd or gzip.
 //!
 //! A file is read (and decompressed) into one buffer, then parsed in place. Whatever the bytes are, the answer is a
 //! scene or a [`LoadError`]: counts are checked against the bytes that are left before anything is allocated, and
-//! content that is out of proportion to its file is refused. Triangle ids are face order; a polygon of k corners is a
-//! fan of k − 2 consecutive triangles, and degenerate triangles keep their ids.
+//! content that is out of proportion to its file is refused. Triangle ids are face order; a polygon of k corners is
+//! k − 2 consecutive triangles (a fan where it is convex), and degenerate triangles keep their ids.
 
 mod error;
 mod gltf;
+mod grid;
 mod obj;
+mod off;
 mod ply;
 mod polygon;
 mod progress;
@@ -38,6 +40,12 @@ pub enum Format {
     Gltf,
     /// glTF 2.0 as one binary file.
     Glb,
+    /// Geomview's Object File Format, text.
+    Off,
+    /// ESRI's ASCII grid of heights.
+    AsciiGrid,
+    /// A NumPy array of heights, by rows and columns.
+    Npy,
 }
 
 impl fmt::Display for Format {
@@ -48,6 +56,9 @@ impl fmt::Display for Format {
             Self::Stl => "STL",
             Self::Gltf => "glTF",
             Self::Glb => "GLB",
+            Self::Off => "OFF",
+            Self::AsciiGrid => "ESRI ASCII grid",
+            Self::Npy => "NumPy array",
         })
     }
 }
@@ -86,6 +97,9 @@ impl FileKind {
             "stl" => Format::Stl,
             "gltf" => Format::Gltf,
             "glb" => Format::Glb,
+            "off" => Format::Off,
+            "asc" => Format::AsciiGrid,
+            "npy" => Format::Npy,
             _ => return None,
         };
         Some(Self { format, compression })
@@ -158,6 +172,9 @@ fn parse(
         Format::Ply => ply::parse(bytes, progress),
         Format::Obj => obj::parse(bytes, folder, progress),
         Format::Stl => stl::parse(bytes, progress),
+        Format::Off => off::parse(bytes, progress),
+        Format::AsciiGrid => grid::parse_ascii(bytes, progress),
+        Format::Npy => grid::parse_npy(bytes, progress),
         Format::Gltf | Format::Glb => gltf::parse(format, bytes, folder, progress),
     }?;
     if scene.materials.is_empty() {

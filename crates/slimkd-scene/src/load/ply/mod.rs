@@ -295,13 +295,14 @@ impl<'h> Body<'h> {
             self.face_colours.resize(self.triangles.len(), colour);
         }
         if let Some((first, count)) = first_uv {
-            // A face without its texture coordinates has an empty list, or one of another length.
-            self.uv_indices.resize(before, [NONE; 3]);
-            if count == 2 * total && self.corner_uvs.len() < NONE as usize {
+            // A face without texture coordinates has an empty list, or one of another length.
+            if count == 2 * total && total > 0 && self.corner_uvs.len() < NONE as usize {
                 let first = first as u32;
+                self.uv_indices.resize(before, [NONE; 3]);
                 self.uv_indices.extend((2..total as u32).map(|k| [first, first + k - 1, first + k]));
+            } else {
+                self.corner_uvs.truncate(first);
             }
-            self.uv_indices.resize(self.triangles.len(), [NONE; 3]);
         }
         Ok(())
     }
