@@ -210,3 +210,96 @@ fn stl_counts_that_nobody_filled_in() {
         assert_eq!((scene.mesh.len(), scene.warnings.len()), (2, 1), "{count}");
     }
 }
+
+#[test]
+fn other_files_are_read_from_the_folder_and_below_alone() {
+    use slimkd_scene::{LoadOptions, LoadProgress, load, load_with};
+    let outer = tempfile::tempdir().unwrap();
+    let folder = outer.path().join("model");
+    std::fs::create_dir_all(folder.join("below")).unwrap();
+    let mtl = "newmtl a\nKd 1 0 0\n";
+    for place in [outer.path().join("out.mtl"), folder.join("below/in.mtl")] {
+        std::fs::write(place, mtl).unwrap();
+    }
+    let progress = LoadProgress::new();
+    let loaded = |library: &str, allow_outside: bool| {
+        let path = folder.join("a.obj");
+        std::fs::write(&path, format!("mtllib {library}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n"))
+            .unwrap();
+        let mut options = LoadOptions::default();
+        options.allow_outside = allow_outside;
+        let scene = load_with(&path, &options, &progress).unwrap();
+        assert!(allow_outside || load(&path, &progress).unwrap().warnings == scene.warnings);
+        scene.warnings.is_empty()
+    };
+    let absolute = outer.path().join("out.mtl");
+    assert!(loaded("below/in.mtl", false) && loaded("below/../below\\in.mtl", false));
+    for outside in ["../out.mtl", "below/../../out.mtl", "..\\out.mtl", absolute.to_str().unwrap()] {
+        assert!(!loaded(outside, false), "{outside}");
+        assert!(loaded(outside, true), "{outside}");
+    }
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(&absolute, folder.join("link.mtl")).unwrap();
+        assert!(!loaded("link.mtl", false) && loaded("link.mtl", true));
+    }
+}
+
+/// The cases that other programs answered wrongly, where they are at hand: triangles, corners, areas and colours.
+#[test]
+fn the_shared_cases_come_out_right() {
+    use slimkd_scene::{LoadProgress, load};
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/cases");
+    if !folder.is_dir() {
+        eprintln!("skipped: {folder:?} is not there");
+        return;
+    }
+    let cases = [
+        ("concave-polygon.obj", 15),
+        ("triangle-strips.ply", 3),
+        ("cr-line-ends.ply", 1),
+        ("byte-order-mark.ply", 1),
+        ("stl-end-loop.stl", 1),
+        ("comment-ends-in-backslash.obj", 1),
+        ("utm-wall.obj", 2),
+        ("l-shaped-roof.obj", 20),
+        ("one-line.stl", 2),
+        ("comment-without-space.obj", 2),
+        ("vertex-colours.ply", 2),
+    ];
+    for (name, triangles) in cases {
+        let scene = load(&folder.join(name), &LoadProgress::new()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(scene.mesh.len(), triangles, "{name}");
+        match name {
+            "concave-polygon.obj" => assert!((area(&scene) - 0.6667).abs() < 1e-4),
+            "triangle-strips.ply" => assert_eq!(scene.mesh.triangles(), [[0, 1, 2], [1, 3, 2], [3, 1, 0]]),
+            "vertex-colours.ply" => {
+                let (red, blue) = ([255, 0, 0, 255], [0, 0, 255, 255]);
+                assert_eq!(scene.colours.unwrap().values, [red, red, blue, blue]);
+            }
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn an_l_shaped_building_has_its_roof() {
+    // Walls of quads, and a roof and a floor with a corner that turns inwards.
+    let plan = [(0, 0), (9, 0), (9, 4), (4, 4), (4, 9), (0, 9)];
+    let mut text = String::new();
+    for z in [0, 5] {
+        for (x, y) in plan {
+            text += &format!("v {x} {y} {z}\n");
+        }
+    }
+    text += "f 6 5 4 3 2 1\nf 7 8 9 10 11 12\n";
+    for k in 0..6 {
+        let next = (k + 1) % 6;
+        text += &format!("f {} {} {} {}\n", k + 1, next + 1, next + 7, k + 7);
+    }
+    let scene = load(Format::Obj, text);
+    assert_eq!(scene.mesh.len(), 20);
+    assert!((area(&scene) - (2.0 * 56.0 + 36.0 * 5.0)).abs() < 1e-3);
+    let check = slimkd_scene::MeshCheck::of(&scene.mesh);
+    assert_eq!((check.open_edges, check.non_manifold_edges, check.flipped_edges, check.parts), (0, 0, 0, 1));
+}

@@ -112,6 +112,20 @@ impl From<Format> for FileKind {
     }
 }
 
+/// How a scene file is loaded.
+///
+/// ```
+/// let mut options = slimkd_scene::LoadOptions::default();
+/// options.allow_outside = true;
+/// ```
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
+pub struct LoadOptions {
+    /// Whether files that the scene names (materials, textures, buffers) may lie outside the scene file's folder. Where they
+    /// may not, which is the default, they count as missing: a file from elsewhere cannot make a program read any file.
+    pub allow_outside: bool,
+}
+
 /// Loads a scene file; its kind is told by the name's endings, see [`FileKind::of`].
 ///
 /// ```no_run
@@ -120,6 +134,11 @@ impl From<Format> for FileKind {
 /// # Ok::<(), slimkd_scene::LoadError>(())
 /// ```
 pub fn load(path: &Path, progress: &LoadProgress) -> Result<Scene, LoadError> {
+    load_with(path, &LoadOptions::default(), progress)
+}
+
+/// Loads a scene file as `options` say; see [`load`].
+pub fn load_with(path: &Path, options: &LoadOptions, progress: &LoadProgress) -> Result<Scene, LoadError> {
     progress.reach(0.0)?;
     let kind = FileKind::of(path);
     if kind.is_none() && path.is_dir() {
@@ -127,8 +146,9 @@ pub fn load(path: &Path, progress: &LoadProgress) -> Result<Scene, LoadError> {
     }
     let kind = kind.ok_or_else(|| LoadError::UnknownFormat { path: path.to_owned() })?;
     let bytes = source::read(path, kind.compression, progress)?;
-    let mut scene =
-        parse(kind.format, &bytes, Folder(Some(path.parent().unwrap_or(Path::new("")))), progress)?;
+    let folder =
+        Folder { path: Some(path.parent().unwrap_or(Path::new(""))), allow_outside: options.allow_outside };
+    let mut scene = parse(kind.format, &bytes, folder, progress)?;
     let stem = path.file_stem().map(Path::new);
     let stem = if kind.compression == Compression::None {
         stem
@@ -151,10 +171,15 @@ pub fn load(path: &Path, progress: &LoadProgress) -> Result<Scene, LoadError> {
 pub fn load_bytes(kind: impl Into<FileKind>, bytes: &[u8]) -> Result<Scene, LoadError> {
     let (kind, progress) = (kind.into(), LoadProgress::new());
     match kind.compression {
-        Compression::None => parse(kind.format, bytes, Folder(None), &progress),
-        compression => {
-            parse(kind.format, &source::decompress(compression, bytes, &progress)?, Folder(None), &progress)
+        Compression::None => {
+            parse(kind.format, bytes, Folder { path: None, allow_outside: false }, &progress)
         }
+        compression => parse(
+            kind.format,
+            &source::decompress(compression, bytes, &progress)?,
+            Folder { path: None, allow_outside: false },
+            &progress,
+        ),
     }
 }
 
