@@ -10,7 +10,16 @@ use slimkd_scene::{Compression, FileKind, Format, load_bytes};
 use std::sync::{Arc, LazyLock};
 
 /// Formats that [`scene`]'s first byte chooses from.
-pub const FORMATS: [Format; 5] = [Format::Ply, Format::Obj, Format::Stl, Format::Gltf, Format::Glb];
+pub const FORMATS: [Format; 8] = [
+    Format::Ply,
+    Format::Obj,
+    Format::Stl,
+    Format::Gltf,
+    Format::Glb,
+    Format::Off,
+    Format::AsciiGrid,
+    Format::Npy,
+];
 /// Compressions that it chooses from, in steps of the formats.
 pub const COMPRESSIONS: [Compression; 3] = [Compression::None, Compression::Zstd, Compression::Gzip];
 

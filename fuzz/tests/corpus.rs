@@ -140,7 +140,10 @@ fn seeds() {
     glb.extend((buffer.len() as u32).to_le_bytes());
     glb.extend(b"BIN\0");
     glb.extend(&buffer);
-    let files: [(u8, &[u8]); 7] = [
+    let off = "COFF\n4 1 0\n0 0 0 1 0 0\n4 0 0 0 1 0\n1 1 0 0 0 1\n0 4 0 255 255 255\n4 0 1 2 3 9 9 9\n";
+    let grid = "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value -9\n1 2\n3 4\n";
+    let npy = b"\x93NUMPY\x01\x00\x3c\x00{'descr': '|u1', 'fortran_order': False, 'shape': (2, 2), }\n\x01\x02\x03\x04";
+    let files: [(u8, &[u8]); 10] = [
         (0, ply.as_bytes()),
         (0, &binary),
         (1, obj.as_bytes()),
@@ -148,14 +151,17 @@ fn seeds() {
         (2, &stl_binary),
         (3, gltf.as_bytes()),
         (4, &glb),
+        (5, off.as_bytes()),
+        (6, grid.as_bytes()),
+        (7, npy),
     ];
     for (k, (format, file)) in files.into_iter().enumerate() {
         slimkd_scene::load_bytes(slimkd_fuzz::FORMATS[usize::from(format)], file)
             .unwrap_or_else(|error| panic!("seed {k}: {error}"));
         put("scene", &format!("seed-{k}"), &[&[format], file].concat());
     }
-    put("scene", "seed-zst", &[&[5], &zstd::encode_all(ply.as_bytes(), 3).unwrap()[..]].concat());
-    let mut gzip = flate2::write::GzEncoder::new(vec![10], flate2::Compression::best());
+    put("scene", "seed-zst", &[&[8], &zstd::encode_all(ply.as_bytes(), 3).unwrap()[..]].concat());
+    let mut gzip = flate2::write::GzEncoder::new(vec![16], flate2::Compression::best());
     std::io::Write::write_all(&mut gzip, ply.as_bytes()).unwrap();
     put("scene", "seed-gz", &gzip.finish().unwrap());
 }

@@ -14,7 +14,6 @@ mod interrupt;
 mod kernel;
 mod measure;
 mod output;
-mod ply;
 mod rays;
 mod report;
 mod saved;
@@ -79,7 +78,7 @@ fn explain(error: &clap::Error) -> ExitCode {
 }
 
 fn run(cli: &Cli) -> Result<(), Failure> {
-    let ui = Ui::new(cli.quiet);
+    let ui = Ui::new(cli.quiet).strict(cli.strict);
     match &cli.command {
         Command::Render(args) => commands::render::run(args, ui),
         Command::Build(args) => commands::build::run(args, ui),
@@ -89,6 +88,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Report(args) => commands::report::run(args, ui),
         Command::Devices(args) => commands::devices::run(args),
         Command::Scene(args) => commands::scene::run(args, ui),
+        Command::Convert(args) => commands::convert::run(args, ui),
         Command::Completions(args) => commands::completions::run(args),
     }
 }

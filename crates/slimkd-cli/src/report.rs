@@ -5,6 +5,7 @@ use crate::trees::{Tree, thread_count};
 use crate::ui::{bytes, grouped};
 use serde::Serialize;
 use slimkd::{HoistAlgorithm, Layout, MemoryReport, TreeStatistics};
+use slimkd_scene::{MeshCheck, Warning};
 use std::fmt::Write;
 use std::num::NonZeroUsize;
 
@@ -26,6 +27,10 @@ pub(crate) struct Report {
     max_depth: u32,
     sah_cost: f64,
     seconds: Seconds,
+    /// What the scene's loader left out, replaced or found odd, a line each.
+    warnings: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mesh_check: Option<Check>,
     #[serde(skip_serializing_if = "Option::is_none")]
     savings: Option<Savings>,
 }
@@ -74,6 +79,56 @@ struct Bytes {
     geometry: u64,
     resident: u64,
     build_peak: Option<u64>,
+}
+
+/// What [`MeshCheck`] found.
+#[derive(Debug, Serialize)]
+struct Check {
+    open_edges: u64,
+    non_manifold_edges: u64,
+    flipped_edges: u64,
+    duplicate_triangles: u64,
+    degenerate_triangles: u64,
+    parts: u64,
+    minimum: [f32; 3],
+    maximum: [f32; 3],
+    step: f32,
+    mean_edge: f64,
+    coarse: bool,
+}
+
+impl Check {
+    fn rows(&self, rows: &mut Rows) {
+        rows.add(
+            "edges",
+            format!(
+                "{} open, {} of more than two triangles, {} between triangles that face opposite ways",
+                grouped(self.open_edges),
+                grouped(self.non_manifold_edges),
+                grouped(self.flipped_edges)
+            ),
+        );
+        rows.add(
+            "triangles",
+            format!(
+                "{} duplicate, {} degenerate; {} parts",
+                grouped(self.duplicate_triangles),
+                grouped(self.degenerate_triangles),
+                grouped(self.parts)
+            ),
+        );
+        let [low, high] = [self.minimum, self.maximum].map(|[x, y, z]| format!("{x} {y} {z}"));
+        let hint = if self.coarse {
+            let farthest = self.minimum.iter().chain(&self.maximum).fold(0f32, |far, x| far.max(x.abs()));
+            format!(
+                ": coordinates of {farthest:e} with f32 steps of {}, edges of {:.3e}: georeferenced? subtract an origin",
+                self.step, self.mean_edge
+            )
+        } else {
+            format!("; f32 steps of {:.1e}, mean edge {:.3e}", self.step, self.mean_edge)
+        };
+        rows.add("extent", format!("{low} to {high}{hint}"));
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -137,8 +192,33 @@ impl Report {
             max_depth,
             sah_cost,
             seconds: Seconds { load: tree.origin.load_seconds, build: tree.cost.map(|cost| cost.seconds) },
+            warnings: Vec::new(),
+            mesh_check: None,
             savings: None,
         }
+    }
+
+    /// The report with what the scene's loader warned of.
+    pub(crate) fn with_warnings(self, warnings: &[Warning]) -> Self {
+        Self { warnings: warnings.iter().map(Warning::to_string).collect(), ..self }
+    }
+
+    /// The report with what is wrong with the mesh.
+    pub(crate) fn with_mesh_check(self, check: &MeshCheck) -> Self {
+        let check = Check {
+            open_edges: check.open_edges,
+            non_manifold_edges: check.non_manifold_edges,
+            flipped_edges: check.flipped_edges,
+            duplicate_triangles: check.duplicate_triangles,
+            degenerate_triangles: check.degenerate_triangles,
+            parts: check.parts,
+            minimum: check.minimum,
+            maximum: check.maximum,
+            step: check.step,
+            mean_edge: check.mean_edge,
+            coarse: check.is_coarse(),
+        };
+        Self { mesh_check: Some(check), ..self }
     }
 
     /// The report with what makes the tree small.
@@ -161,6 +241,9 @@ impl Report {
                 grouped(scene.vertices)
             ),
         );
+        if let Some(check) = &self.mesh_check {
+            check.rows(&mut rows);
+        }
         rows.add(
             "preset",
             format!(

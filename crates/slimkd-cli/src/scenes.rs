@@ -8,11 +8,11 @@ use crate::trees::Origin;
 use crate::ui::{Ui, Watched, grouped};
 use slimkd::KdTree;
 use slimkd_scene::procedural::{self, BuiltIn};
-use slimkd_scene::{FileKind, LoadError, LoadProgress, Scene};
+use slimkd_scene::{FileKind, LoadError, LoadOptions, LoadProgress, Scene, Warning};
 use std::fmt::Write;
 use std::fs::File;
 use std::num::NonZeroU32;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
@@ -67,17 +67,66 @@ pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded
         return Err(unknown(path));
     }
     let (progress, started) = (LoadProgress::new(), Instant::now());
-    let scene =
-        ui.watch("load", &progress, || slimkd_scene::load(path, &progress)).map_err(|error| match error {
+    let mut options = LoadOptions::default();
+    options.allow_outside = details.allow_outside;
+    let scene = ui.watch("load", &progress, || slimkd_scene::load_with(path, &options, &progress)).map_err(
+        |error| match error {
             LoadError::Cancelled => Failure::Interrupted,
             // These name the file themselves.
             LoadError::Read { .. } | LoadError::NotAFile { .. } | LoadError::UnknownFormat { .. } => {
                 Failure::work(error)
             }
             other => Failure::at(path, other),
-        })?;
+        },
+    )?;
+    tell(path, &scene.warnings, ui)?;
     let place = path.display().to_string();
     Ok(Loaded { scene, place, seconds: started.elapsed().as_secs_f64(), tree: None })
+}
+
+/// Loads a scene, and what `more` names, into one.
+pub(crate) fn load_all(
+    path: &Path,
+    more: &[PathBuf],
+    details: &SceneDetails,
+    ui: Ui,
+) -> Result<Loaded, Failure> {
+    if let Some(tree) = std::iter::once(path).chain(more.iter().map(PathBuf::as_path)).find(|p| is_saved(p))
+        && !more.is_empty()
+    {
+        let what = "a saved tree is a scene alone; build one from all the scene files";
+        return Err(Failure::Usage(format!("{}: {what}", tree.display())));
+    }
+    for path in more {
+        check(path)?;
+    }
+    let mut loaded = load(path, details, ui)?;
+    if more.is_empty() {
+        return Ok(loaded);
+    }
+    let mut scenes = vec![std::mem::take(&mut loaded.scene)];
+    for path in more {
+        let next = load(path, &SceneDetails { triangles: None, ..details.clone() }, ui)?;
+        loaded.seconds += next.seconds;
+        scenes.push(next.scene);
+    }
+    loaded.scene = Scene::merge(scenes).map_err(|error| Failure::at(path, error))?;
+    Ok(loaded)
+}
+
+/// Tells what the loader warns of, one line each; with `--strict` that is an error.
+fn tell(path: &Path, warnings: &[Warning], ui: Ui) -> Result<(), Failure> {
+    for warning in warnings {
+        ui.warn(format_args!("{}: {warning}", path.display()));
+    }
+    match warnings {
+        [first, rest @ ..] if ui.is_strict() => {
+            let more = if rest.is_empty() { String::new() } else { format!(" (and {} more)", rest.len()) };
+            let fix = "mend the file, or leave out --strict";
+            Err(Failure::at(path, format_args!("{first}{more}; {fix}")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Refuses what [`load`] would refuse unread.

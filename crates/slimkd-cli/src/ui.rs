@@ -37,12 +37,23 @@ impl Watched for slimkd::Progress {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ui {
     quiet: bool,
+    strict: bool,
 }
 
 impl Ui {
     /// `quiet`: errors only.
     pub(crate) fn new(quiet: bool) -> Self {
-        Self { quiet }
+        Self { quiet, strict: false }
+    }
+
+    /// `strict`: what a scene file is warned of is an error.
+    pub(crate) fn strict(self, strict: bool) -> Self {
+        Self { strict, ..self }
+    }
+
+    /// True when a warning about a scene file is an error.
+    pub(crate) fn is_strict(self) -> bool {
+        self.strict
     }
 
     /// True when only errors are wanted.

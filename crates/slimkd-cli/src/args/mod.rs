@@ -7,7 +7,7 @@ mod tree;
 
 pub(crate) use camera::CameraArgs;
 pub(crate) use parse::{Size, stops, threads, triangles, within};
-pub(crate) use scene::{SceneArgs, SceneDetails};
+pub(crate) use scene::{MoreScenes, SceneArgs, SceneDetails};
 pub(crate) use tree::{Kind, TreeArgs, TuningArgs, listed, preset};
 
 use crate::commands;
@@ -23,6 +23,9 @@ pub(crate) struct Cli {
     /// Print errors only
     #[arg(long, short, global = true)]
     pub(crate) quiet: bool,
+    /// Fail, with status 1, where a scene file would only be warned of: something in it was left out or replaced
+    #[arg(long, global = true)]
+    pub(crate) strict: bool,
 }
 
 const EXAMPLES: &str = "\
@@ -34,7 +37,7 @@ Examples:
   slimkd report building.ply.zst -o report
   slimkd scene --list
 
-SCENE is a file (.ply .obj .stl .gltf .glb, each also with .zst or .gz behind it), the name
+SCENE is a file (.ply .obj .stl .off .gltf .glb .asc .npy, each also with .zst or .gz behind it), the name
 of a built-in scene, or a tree.skd saved by `slimkd build -o`.
 Exit status: 0 done, 1 the work failed, 2 wrong usage, 130 interrupted.";
 
@@ -57,6 +60,8 @@ pub(crate) enum Command {
     Devices(commands::devices::DevicesArgs),
     /// List the built-in scenes, or write one as a PLY file
     Scene(commands::scene::SceneCommandArgs),
+    /// Write scenes as one binary PLY file, with the triangles' ids as they are
+    Convert(commands::convert::ConvertArgs),
     /// Print a completion script for a shell
     Completions(commands::completions::CompletionsArgs),
 }

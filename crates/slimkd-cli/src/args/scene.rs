@@ -15,6 +15,14 @@ pub(crate) struct SceneArgs {
     pub(crate) details: SceneDetails,
 }
 
+/// More models of one scene.
+#[derive(Clone, Debug, Default, Args)]
+pub(crate) struct MoreScenes {
+    /// More scene files: all become one scene, with triangle ids in this order
+    #[arg(value_name = "SCENE")]
+    pub(crate) more: Vec<PathBuf>,
+}
+
 /// What belongs to a scene beside its name.
 #[derive(Clone, Debug, Default, Args)]
 pub(crate) struct SceneDetails {
@@ -24,4 +32,7 @@ pub(crate) struct SceneDetails {
     /// The scene that a tree.skd was built from: needed where it was saved with --no-mesh, and brings its materials
     #[arg(long, value_name = "SCENE")]
     pub(crate) mesh: Option<PathBuf>,
+    /// Read materials, textures and buffers outside the scene file's folder as well
+    #[arg(long)]
+    pub(crate) allow_outside: bool,
 }

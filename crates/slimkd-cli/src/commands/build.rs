@@ -1,6 +1,6 @@
 //! `slimkd build`: a tree, its size and shape, and its file.
 
-use crate::args::{SceneArgs, TreeArgs};
+use crate::args::{MoreScenes, SceneArgs, TreeArgs};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::report::Report;
@@ -26,6 +26,8 @@ Examples:
 pub(crate) struct BuildArgs {
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    more: MoreScenes,
     /// Save the tree, with its mesh
     #[arg(short, long, value_name = "tree.skd")]
     output: Option<PathBuf>,
@@ -45,8 +47,9 @@ pub(crate) struct BuildArgs {
 /// Builds, reports, saves.
 pub(crate) fn run(args: &BuildArgs, ui: Ui) -> Result<(), Failure> {
     args.tree.tuning.check()?;
-    let output = args.output.as_deref().map(|path| prepare(path, &args.scene)).transpose()?;
-    let mut loaded = scenes::load(&args.scene.scene, &args.scene.details, ui)?;
+    let output =
+        args.output.as_deref().map(|path| prepare(path, &args.scene, &args.more.more)).transpose()?;
+    let mut loaded = scenes::load_all(&args.scene.scene, &args.more.more, &args.scene.details, ui)?;
     drop(loaded.tree.take());
     let (scene, options) = (&loaded.scene, args.tree.options());
     let tree = trees::build(&loaded.origin(), &scene.mesh, &options, ui)?;
@@ -65,7 +68,7 @@ pub(crate) fn run(args: &BuildArgs, ui: Ui) -> Result<(), Failure> {
         ui.note(format_args!("wrote {}", output.path().display()));
     }
     let savings = args.savings.then(|| Savings::measure(&tree, &options, ui)).transpose()?;
-    let report = Report::new(&tree, args.tree.threads).with_savings(savings);
+    let report = Report::new(&tree, args.tree.threads).with_savings(savings).with_warnings(&scene.warnings);
     if args.json {
         return ui::print_json(&report);
     }
@@ -75,7 +78,7 @@ pub(crate) fn run(args: &BuildArgs, ui: Ui) -> Result<(), Failure> {
 }
 
 /// A place for the tree; a name with another ending would be a scene's, or nobody could read the tree under it.
-fn prepare(path: &Path, scene: &SceneArgs) -> Result<Output, Failure> {
+fn prepare(path: &Path, scene: &SceneArgs, more: &[PathBuf]) -> Result<Output, Failure> {
     let is_device = path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir());
     if !is_device && !saved::is_saved(path) {
         return Err(Failure::usage(format_args!(
@@ -83,5 +86,7 @@ fn prepare(path: &Path, scene: &SceneArgs) -> Result<Output, Failure> {
             path.display()
         )));
     }
-    Output::prepare(path)?.apart_from(scenes::files(&scene.scene, &scene.details))
+    Output::prepare(path)?
+        .apart_from(scenes::files(&scene.scene, &scene.details))?
+        .apart_from(more.iter().map(PathBuf::as_path))
 }

@@ -1,10 +1,11 @@
 //! `slimkd inspect`: the size and shape of a tree that is built for it, or read from its file.
 
-use crate::args::{SceneArgs, TreeArgs};
+use crate::args::{MoreScenes, SceneArgs, TreeArgs};
 use crate::failure::Failure;
 use crate::report::{Report, histograms};
 use crate::{scenes, trees, ui, ui::Ui};
 use clap::Args;
+use slimkd_scene::MeshCheck;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -19,6 +20,8 @@ Examples:
 pub(crate) struct InspectArgs {
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    more: MoreScenes,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -33,14 +36,16 @@ pub(crate) struct InspectArgs {
 /// Reports.
 pub(crate) fn run(args: &InspectArgs, ui: Ui) -> Result<(), Failure> {
     args.tree.tuning.check()?;
-    let mut loaded = scenes::load(&args.scene.scene, &args.scene.details, ui)?;
+    let mut loaded = scenes::load_all(&args.scene.scene, &args.more.more, &args.scene.details, ui)?;
     let tree = trees::take_or_build(&mut loaded, &args.tree, ui)?;
     trees::warn_of_degenerate(&tree.statistics, ui);
     if args.complete {
         let pool = trees::pool(trees::thread_count(args.tree.threads))?;
         trees::prove_complete(&tree, &pool, ui)?;
     }
-    let report = Report::new(&tree, args.tree.threads);
+    let report = Report::new(&tree, args.tree.threads)
+        .with_warnings(&loaded.scene.warnings)
+        .with_mesh_check(&MeshCheck::of(tree.tree.mesh()));
     if args.json {
         ui::print_json(&report)
     } else {

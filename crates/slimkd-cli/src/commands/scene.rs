@@ -4,7 +4,7 @@ use crate::args::triangles;
 use crate::failure::Failure;
 use crate::output::{Output, unwritable};
 use crate::ui::{Ui, grouped};
-use crate::{ply, scenes, ui};
+use crate::{scenes, ui};
 use clap::Args;
 use std::num::NonZeroU32;
 use std::path::PathBuf;
@@ -46,7 +46,7 @@ pub(crate) fn run(args: &SceneCommandArgs, ui: Ui) -> Result<(), Failure> {
     let output = Output::prepare(path)?;
     let scene = scenes::built_in(name, args.triangles, ui)?.scene;
     let mut draft = output.draft()?;
-    ply::write(&scene.mesh, &mut draft).map_err(|error| unwritable(path, &error))?;
+    slimkd_scene::write_ply(&scene.mesh, &mut draft).map_err(|error| unwritable(path, &error))?;
     draft.commit()?;
     let (triangles, vertices) = (scene.mesh.len() as u64, scene.mesh.vertices().len() as u64);
     ui.note(format_args!(

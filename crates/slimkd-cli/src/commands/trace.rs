@@ -1,6 +1,6 @@
 //! `slimkd trace`: rays from a file, hits to a file, a batch at a time.
 
-use crate::args::{Kind, SceneArgs, TreeArgs};
+use crate::args::{Kind, MoreScenes, SceneArgs, TreeArgs};
 use crate::device::{self, Choice, Tracer};
 use crate::failure::Failure;
 use crate::interrupt;
@@ -38,6 +38,8 @@ v f32; with --kind any, t is 0 on a hit and only \"hit or not\" counts.";
 pub(crate) struct TraceArgs {
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    more: MoreScenes,
     /// The rays to trace
     #[arg(long, value_name = "rays.f32")]
     rays: PathBuf,
@@ -66,7 +68,9 @@ pub(crate) fn run(args: &TraceArgs, ui: Ui) -> Result<(), Failure> {
     args.device.check(args.kernel)?;
     args.tree.tuning.check()?;
     let SceneArgs { scene, details } = &args.scene;
-    let inputs = scenes::files(scene, details).chain([args.rays.as_path()]);
+    let inputs = scenes::files(scene, details)
+        .chain([args.rays.as_path()])
+        .chain(args.more.more.iter().map(PathBuf::as_path));
     let output = Output::prepare(&args.out)?.apart_from(inputs)?;
     let mut input = RayFile::open(&args.rays)?;
     let device = device::open(args.device, ui)?;
@@ -125,7 +129,7 @@ impl Source {
 
     fn of(args: &TraceArgs, ui: Ui) -> Result<Self, Failure> {
         let scene = &args.scene.scene;
-        if args.no_verify {
+        if args.no_verify && args.more.more.is_empty() {
             if !saved::is_saved(scene) {
                 let what = "only a saved tree can be traced with --no-verify; leave it out";
                 return Err(Failure::Usage(format!("{}: {what}", scene.display())));
@@ -134,7 +138,7 @@ impl Source {
             trees::warn_of_ignored(&scene.display().to_string(), &args.tree.given(), ui);
             return Ok(Self::Open(Box::new(tree)));
         }
-        let mut loaded = scenes::load(scene, &args.scene.details, ui)?;
+        let mut loaded = scenes::load_all(scene, &args.more.more, &args.scene.details, ui)?;
         let tree = trees::take_or_build(&mut loaded, &args.tree, ui)?;
         trees::warn_of_degenerate(&tree.statistics, ui);
         Ok(Self::Proved(Box::new(tree.tree)))

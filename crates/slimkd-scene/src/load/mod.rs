@@ -1,14 +1,17 @@
-//! Scene files: PLY, OBJ with MTL, STL, glTF and GLB, each also compressed by zstd or gzip.
+//! Scene files: PLY, OBJ with MTL, STL, OFF, glTF, GLB and grids of heights, each also compressed by zstd or gzip.
 //!
 //! A file is read (and decompressed) into one buffer, then parsed in place. Whatever the bytes are, the answer is a
 //! scene or a [`LoadError`]: counts are checked against the bytes that are left before anything is allocated, and
-//! content that is out of proportion to its file is refused. Triangle ids are face order; a polygon of k corners is a
-//! fan of k − 2 consecutive triangles, and degenerate triangles keep their ids.
+//! content that is out of proportion to its file is refused. Triangle ids are face order; a polygon of k corners is
+//! k − 2 consecutive triangles (a fan where it is convex), and degenerate triangles keep their ids.
 
 mod error;
 mod gltf;
+mod grid;
 mod obj;
+mod off;
 mod ply;
+mod polygon;
 mod progress;
 mod source;
 mod stl;
@@ -20,7 +23,7 @@ pub use error::{LoadError, Place};
 pub use progress::LoadProgress;
 pub use source::Compression;
 
-use crate::{Material, Scene};
+use crate::{Material, Scene, warning::warn};
 use source::Folder;
 use std::{fmt, path::Path};
 
@@ -37,6 +40,12 @@ pub enum Format {
     Gltf,
     /// glTF 2.0 as one binary file.
     Glb,
+    /// Geomview's Object File Format, text.
+    Off,
+    /// ESRI's ASCII grid of heights.
+    AsciiGrid,
+    /// A NumPy array of heights, by rows and columns.
+    Npy,
 }
 
 impl fmt::Display for Format {
@@ -47,6 +56,9 @@ impl fmt::Display for Format {
             Self::Stl => "STL",
             Self::Gltf => "glTF",
             Self::Glb => "GLB",
+            Self::Off => "OFF",
+            Self::AsciiGrid => "ESRI ASCII grid",
+            Self::Npy => "NumPy array",
         })
     }
 }
@@ -85,6 +97,9 @@ impl FileKind {
             "stl" => Format::Stl,
             "gltf" => Format::Gltf,
             "glb" => Format::Glb,
+            "off" => Format::Off,
+            "asc" => Format::AsciiGrid,
+            "npy" => Format::Npy,
             _ => return None,
         };
         Some(Self { format, compression })
@@ -97,6 +112,20 @@ impl From<Format> for FileKind {
     }
 }
 
+/// How a scene file is loaded.
+///
+/// ```
+/// let mut options = slimkd_scene::LoadOptions::default();
+/// options.allow_outside = true;
+/// ```
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
+pub struct LoadOptions {
+    /// Whether files that the scene names (materials, textures, buffers) may lie outside the scene file's folder. Where they
+    /// may not, which is the default, they count as missing: a file from elsewhere cannot make a program read any file.
+    pub allow_outside: bool,
+}
+
 /// Loads a scene file; its kind is told by the name's endings, see [`FileKind::of`].
 ///
 /// ```no_run
@@ -105,6 +134,11 @@ impl From<Format> for FileKind {
 /// # Ok::<(), slimkd_scene::LoadError>(())
 /// ```
 pub fn load(path: &Path, progress: &LoadProgress) -> Result<Scene, LoadError> {
+    load_with(path, &LoadOptions::default(), progress)
+}
+
+/// Loads a scene file as `options` say; see [`load`].
+pub fn load_with(path: &Path, options: &LoadOptions, progress: &LoadProgress) -> Result<Scene, LoadError> {
     progress.reach(0.0)?;
     let kind = FileKind::of(path);
     if kind.is_none() && path.is_dir() {
@@ -112,8 +146,9 @@ pub fn load(path: &Path, progress: &LoadProgress) -> Result<Scene, LoadError> {
     }
     let kind = kind.ok_or_else(|| LoadError::UnknownFormat { path: path.to_owned() })?;
     let bytes = source::read(path, kind.compression, progress)?;
-    let mut scene =
-        parse(kind.format, &bytes, Folder(Some(path.parent().unwrap_or(Path::new("")))), progress)?;
+    let folder =
+        Folder { path: Some(path.parent().unwrap_or(Path::new(""))), allow_outside: options.allow_outside };
+    let mut scene = parse(kind.format, &bytes, folder, progress)?;
     let stem = path.file_stem().map(Path::new);
     let stem = if kind.compression == Compression::None {
         stem
@@ -136,10 +171,15 @@ pub fn load(path: &Path, progress: &LoadProgress) -> Result<Scene, LoadError> {
 pub fn load_bytes(kind: impl Into<FileKind>, bytes: &[u8]) -> Result<Scene, LoadError> {
     let (kind, progress) = (kind.into(), LoadProgress::new());
     match kind.compression {
-        Compression::None => parse(kind.format, bytes, Folder(None), &progress),
-        compression => {
-            parse(kind.format, &source::decompress(compression, bytes, &progress)?, Folder(None), &progress)
+        Compression::None => {
+            parse(kind.format, bytes, Folder { path: None, allow_outside: false }, &progress)
         }
+        compression => parse(
+            kind.format,
+            &source::decompress(compression, bytes, &progress)?,
+            Folder { path: None, allow_outside: false },
+            &progress,
+        ),
     }
 }
 
@@ -157,6 +197,9 @@ fn parse(
         Format::Ply => ply::parse(bytes, progress),
         Format::Obj => obj::parse(bytes, folder, progress),
         Format::Stl => stl::parse(bytes, progress),
+        Format::Off => off::parse(bytes, progress),
+        Format::AsciiGrid => grid::parse_ascii(bytes, progress),
+        Format::Npy => grid::parse_npy(bytes, progress),
         Format::Gltf | Format::Glb => gltf::parse(format, bytes, folder, progress),
     }?;
     if scene.materials.is_empty() {
@@ -164,15 +207,4 @@ fn parse(
     }
     progress.reach(1.0)?;
     Ok(scene)
-}
-
-/// Most warnings that a scene keeps: enough to see what is wrong.
-const MAX_WARNINGS: usize = 100;
-
-fn warn(warnings: &mut Vec<String>, warning: String) {
-    if warnings.len() < MAX_WARNINGS {
-        warnings.push(warning);
-    } else if warnings.len() == MAX_WARNINGS {
-        warnings.push("and more".to_owned());
-    }
 }

@@ -5,7 +5,7 @@ use std::{
     ffi::OsStr,
     fs::File,
     io::{self, Read},
-    path::{Path, PathBuf},
+    path::{Component, Path, PathBuf},
 };
 
 /// How a file is compressed.
@@ -168,7 +168,11 @@ fn inflate<'a, R: Read>(
 
 /// Where the files lie that a scene names: beside its own, or nowhere when it came from memory.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Folder<'a>(pub(super) Option<&'a Path>);
+pub(super) struct Folder<'a> {
+    pub(super) path: Option<&'a Path>,
+    /// False: only what lies in the folder, or in one below it, is read.
+    pub(super) allow_outside: bool,
+}
 
 impl Folder<'_> {
     /// Reads the file of that relative name. The error says why not, without the name.
@@ -189,9 +193,37 @@ impl Folder<'_> {
     }
 
     fn path(self, name: &str) -> Result<PathBuf, String> {
-        let folder = self.0.ok_or("a scene from memory has no files beside it")?;
+        let folder = self.path.ok_or("a scene from memory has no files beside it")?;
         // Files from Windows name folders by backslashes; Windows takes slashes as well.
-        Ok(folder.join(name.replace('\\', "/")))
+        let name = name.replace('\\', "/");
+        let path = folder.join(&name);
+        if !self.allow_outside && (leaves(Path::new(&name)) || is_outside(folder, &path)) {
+            return Err("it lies outside the scene file's folder; allow that by --allow-outside".to_owned());
+        }
+        Ok(path)
+    }
+}
+
+/// True for a name that leaves its folder by its words alone.
+fn leaves(name: &Path) -> bool {
+    let mut depth = 0;
+    name.components().any(|component| {
+        depth += match component {
+            Component::Normal(_) => 1,
+            Component::CurDir => 0,
+            Component::ParentDir => -1,
+            Component::Prefix(_) | Component::RootDir => return true,
+        };
+        depth < 0
+    })
+}
+
+/// True for a file that is there, but not below `folder` once links are followed.
+fn is_outside(folder: &Path, path: &Path) -> bool {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    match (std::fs::canonicalize(folder), std::fs::canonicalize(path)) {
+        (Ok(folder), Ok(path)) => !path.starts_with(folder),
+        _ => false,
     }
 }
 

@@ -21,9 +21,13 @@ impl<'a> Lines<'a> {
         self.total - self.rest.len()
     }
 
-    /// The next line with the number of its first part; a `\` at a line's end joins it to the next.
-    pub(super) fn next_joined(&mut self) -> Option<(u64, Cow<'a, [u8]>)> {
+    /// The next line with the number of its first part; a `\` at a line's end joins it to the next where `joins` says
+    /// so of the line: comments and names may end in a backslash, too.
+    pub(super) fn next_joined(&mut self, joins: impl Fn(&[u8]) -> bool) -> Option<(u64, Cow<'a, [u8]>)> {
         let (number, line) = self.next()?;
+        if !joins(line) {
+            return Some((number, Cow::Borrowed(line)));
+        }
         let Some(start) = line.strip_suffix(b"\\") else { return Some((number, Cow::Borrowed(line))) };
         let mut joined = start.to_vec();
         for (_, line) in self.by_ref() {
@@ -47,9 +51,14 @@ impl<'a> Iterator for Lines<'a> {
         if self.rest.is_empty() {
             return None;
         }
-        let end = self.rest.iter().position(|&b| b == b'\n');
+        // Lines end in LF, CR LF, or CR alone.
+        let end = self.rest.iter().position(|&b| b == b'\n' || b == b'\r');
         let (line, rest) = match end {
-            Some(end) => (&self.rest[..end], &self.rest[end + 1..]),
+            Some(end) => {
+                let rest = &self.rest[end + 1..];
+                let pair = self.rest[end] == b'\r' && rest.first() == Some(&b'\n');
+                (&self.rest[..end], if pair { &rest[1..] } else { rest })
+            }
             None => (self.rest, &self.rest[self.rest.len()..]),
         };
         (self.rest, self.number) = (rest, self.number + 1);

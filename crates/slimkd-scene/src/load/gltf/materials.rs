@@ -2,7 +2,7 @@
 
 use super::{Reader, container::resource};
 use crate::{
-    Material,
+    Material, Warning, WarningKind,
     load::{textures::Textures, warn},
 };
 use glam::Vec3;
@@ -13,7 +13,11 @@ const DIELECTRIC: f32 = 0.04;
 
 impl Reader<'_> {
     /// All materials of the file, in order, then a plain one for primitives without.
-    pub(super) fn materials(&self, textures: &mut Textures<'_>, warnings: &mut Vec<String>) -> Vec<Material> {
+    pub(super) fn materials(
+        &self,
+        textures: &mut Textures<'_>,
+        warnings: &mut Vec<Warning>,
+    ) -> Vec<Material> {
         let mut materials = Vec::with_capacity(self.root.materials.len() + 1);
         for source in &self.root.materials {
             let pbr = &source.pbr_metallic_roughness;
@@ -55,11 +59,12 @@ impl Reader<'_> {
         materials
     }
 
-    fn texture(&self, info: &Info, textures: &mut Textures<'_>, warnings: &mut Vec<String>) -> Option<u32> {
+    fn texture(&self, info: &Info, textures: &mut Textures<'_>, warnings: &mut Vec<Warning>) -> Option<u32> {
         let source = self.root.textures.get(info.index.value()).map(|texture| texture.source.value());
         let image = source.and_then(|source| Some((source, self.root.images.get(source)?)));
         let Some((source, image)) = image else {
-            warn(warnings, format!("textures[{}] names no image and was left out", info.index.value()));
+            let what = format!("textures[{}] names no image and was left out", info.index.value());
+            warn(warnings, Warning::new(WarningKind::Missing, what));
             return None;
         };
         let folder = textures.folder;

@@ -15,7 +15,7 @@ use super::{
     textures::Textures,
     warn,
 };
-use crate::{Attribute, Scene, UpAxis};
+use crate::{Attribute, Scene, UpAxis, Warning, WarningKind};
 use container::Buffers;
 use glam::{DMat3, DMat4, DQuat, DVec3};
 use gltf::json::{
@@ -55,7 +55,8 @@ pub(super) fn parse(
     for name in &root.extensions_used {
         if !HARMLESS.contains(&name.as_str()) && !name.starts_with("KHR_materials_") {
             let name = quoted(name.as_bytes());
-            warn(&mut scene.warnings, format!("extension {name} is not known; what it adds was left out"));
+            let what = format!("extension {name} is not known; what it adds was left out");
+            warn(&mut scene.warnings, Warning::new(WarningKind::Ignored, what));
         }
     }
     let mut textures = Textures::new(folder);
@@ -341,10 +342,12 @@ impl<'a> Flat<'a> {
 
     fn finish(self, mut scene: Scene) -> Result<Scene, LoadError> {
         if self.skinned {
-            warn(&mut scene.warnings, "skins were left out: meshes stand as they were modelled".to_owned());
+            let what = "skins were left out: meshes stand as they were modelled";
+            warn(&mut scene.warnings, Warning::new(WarningKind::Ignored, what));
         }
         if self.lines {
-            warn(&mut scene.warnings, "points and lines were left out".to_owned());
+            let what = "points and lines were left out";
+            warn(&mut scene.warnings, Warning::new(WarningKind::Ignored, what));
         }
         let plain = (scene.materials.len() - 1) as u32;
         if !self.material_ids.contains(&plain) && plain > 0 {

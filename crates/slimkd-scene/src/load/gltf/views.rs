@@ -1,7 +1,7 @@
 //! glTF cameras and lights.
 
 use super::Reader;
-use crate::{Camera, Light, Scene, load::warn};
+use crate::{Camera, Light, Scene, Warning, WarningKind, load::warn};
 use glam::{DMat4, DVec3, Vec3};
 use gltf::json::{extensions::scene::khr_lights_punctual::Type, scene::Node, validation::Checked};
 
@@ -22,19 +22,21 @@ impl Reader<'_> {
                 }
                 _ => {
                     let what = format!("cameras[{}] has no perspective and was left out", camera.value());
-                    warn(&mut scene.warnings, what);
+                    warn(&mut scene.warnings, Warning::new(WarningKind::Invalid, what));
                 }
             }
         }
         let light = node.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
         let Some(index) = light.map(|light| light.light) else { return };
         let Some(light) = self.root.get(index) else {
-            warn(&mut scene.warnings, format!("lights[{}] is missing and was left out", index.value()));
+            let what = format!("lights[{}] is missing and was left out", index.value());
+            warn(&mut scene.warnings, Warning::new(WarningKind::Missing, what));
             return;
         };
         let power = Vec3::from(light.color).max(Vec3::ZERO) * light.intensity.max(0.0);
         if !power.is_finite() || !position.is_finite() {
-            warn(&mut scene.warnings, format!("lights[{}] is not finite and was left out", index.value()));
+            let what = format!("lights[{}] is not finite and was left out", index.value());
+            warn(&mut scene.warnings, Warning::new(WarningKind::Invalid, what));
             return;
         }
         scene.lights.push(match light.type_ {
@@ -43,7 +45,7 @@ impl Reader<'_> {
             _ => {
                 let what =
                     format!("lights[{}] is a spot light; it shines in all directions here", index.value());
-                warn(&mut scene.warnings, what);
+                warn(&mut scene.warnings, Warning::new(WarningKind::Invalid, what));
                 Light::Point { position, intensity: power }
             }
         });

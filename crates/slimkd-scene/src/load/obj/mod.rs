@@ -8,12 +8,13 @@ mod mtl;
 use super::{
     Format, LoadError, LoadProgress, Place,
     error::quoted,
+    polygon::Polygons,
     source::Folder,
     text::{self, Lines},
     textures::Textures,
     warn,
 };
-use crate::{Attribute, Scene};
+use crate::{Attribute, Scene, Warning, WarningKind};
 use mtl::Library;
 use slimkd::TriangleMesh;
 use std::{
@@ -52,12 +53,17 @@ struct Obj {
     normal_indices: Vec<[u32; 3]>,
     /// As long as `triangles` once a second material is used.
     material_ids: Vec<u32>,
+    /// Empty before the first vertex that has a colour.
+    colours: Vec<[f32; 3]>,
+    polygons: Polygons,
     /// Highest index of each kind that a face has used, and where: later lines may still define it.
     highest: [Option<(u32, u64)>; 3],
     libraries: Vec<String>,
     /// Names of the materials that faces use, in order of use; `None` before the first `usemtl`.
     used: Vec<Option<String>>,
     slivers: u64,
+    /// Faces with any number of corners.
+    faces: u64,
     known_lines: u64,
     unknown: Option<(u64, String)>,
 }
@@ -68,15 +74,21 @@ pub(super) fn parse(bytes: &[u8], folder: Folder<'_>, progress: &LoadProgress) -
     let (mut name, mut id) = (None, None);
     let mut corners = Vec::new();
     let mut lines = Lines::new(bytes);
-    while let Some((number, line)) = lines.next_joined() {
+    while let Some((number, line)) = lines.next_joined(continues) {
         if number.is_multiple_of(BLOCK) {
             progress.parsed(lines.at(), bytes.len())?;
         }
-        let mut words = text::words(&line);
-        let Some(keyword) = words.next() else { continue };
+        let Some(keyword) = text::words(&line).next() else { continue };
         let rest = || line[keyword.len()..].trim_ascii();
+        // Numbers end where a comment begins; names may hold a "#".
+        let numbers = rest();
+        let end = numbers.iter().position(|&b| b == b'#').unwrap_or(numbers.len());
+        let mut words = text::words(&numbers[..end]);
         match keyword {
-            b"v" => obj.positions.push(coordinates(words, number, &line)?),
+            b"v" => {
+                obj.positions.push(coordinates(words.by_ref(), number, &line)?);
+                obj.colour(words);
+            }
             b"vn" => obj.normals.push(coordinates(words, number, &line)?),
             b"vt" => {
                 // The second coordinate may be left out, for textures of one dimension.
@@ -88,9 +100,6 @@ pub(super) fn parse(bytes: &[u8], folder: Folder<'_>, progress: &LoadProgress) -
             b"f" | b"fo" => {
                 corners.clear();
                 for word in words {
-                    if word.starts_with(b"#") {
-                        break;
-                    }
                     corners.push(obj.corner(word, number)?);
                 }
                 if id.is_none() {
@@ -118,7 +127,14 @@ pub(super) fn parse(bytes: &[u8], folder: Folder<'_>, progress: &LoadProgress) -
         }
         obj.known_lines += 1;
     }
-    obj.finish(folder)
+    obj.finish(folder, progress)
+}
+
+/// True for a line that a `\` at its end joins to the next: one of numbers, without a comment.
+fn continues(line: &[u8]) -> bool {
+    let keyword = text::words(line).next().unwrap_or_default();
+    let is_name = matches!(keyword, b"o" | b"g" | b"usemtl" | b"mtllib" | b"usemap" | b"maplib");
+    !is_name && !line.contains(&b'#')
 }
 
 fn coordinates<'a, const N: usize>(
@@ -169,6 +185,7 @@ impl Obj {
 
     /// Adds the fan of a face.
     fn face(&mut self, corners: &[[u32; 3]], material: u32) {
+        self.faces += 1;
         if corners.len() < 3 {
             self.slivers += 1;
             return;
@@ -179,6 +196,7 @@ impl Obj {
             corners.windows(2).skip(1).map(move |pair| [first, pair[0][k], pair[1][k]])
         };
         self.triangles.extend(fan(0));
+        self.polygons.add(before, corners.len(), 1);
         for (k, indices) in [(1, &mut self.uv_indices), (2, &mut self.normal_indices)] {
             // A face has the attribute when all its corners do.
             let has = corners.iter().all(|corner| corner[k] != NONE);
@@ -197,7 +215,16 @@ impl Obj {
         }
     }
 
-    fn finish(self, folder: Folder<'_>) -> Result<Scene, LoadError> {
+    /// Reads the colour behind a vertex' position: "v x y z r g b", or with a weight before it or an opacity behind it.
+    fn colour<'a>(&mut self, words: impl Iterator<Item = &'a [u8]>) {
+        let rest: Vec<f32> = words.take(4).map_while(text::number).collect();
+        if let [r, g, b] | [r, g, b, _] = rest[..] {
+            self.colours.resize(self.positions.len() - 1, [1.0; 3]);
+            self.colours.push([r, g, b]);
+        }
+    }
+
+    fn finish(mut self, folder: Folder<'_>, progress: &LoadProgress) -> Result<Scene, LoadError> {
         if self.known_lines == 0
             && let Some((line, text)) = self.unknown
         {
@@ -215,12 +242,16 @@ impl Obj {
         }
         let mut warnings = Vec::new();
         if let Some((line, text)) = self.unknown {
-            warn(&mut warnings, format!("unknown lines were ignored, the first is line {line}: {text}"));
+            let what = format!("unknown lines were ignored, the first is line {line}: {text}");
+            warn(&mut warnings, Warning::new(WarningKind::Ignored, what));
         }
         if self.slivers > 0 {
-            let slivers = self.slivers;
-            warn(&mut warnings, format!("{slivers} faces have fewer than 3 corners and were left out"));
+            let what = "faces have fewer than 3 corners and were left out";
+            warn(&mut warnings, Warning::counted(WarningKind::Invalid, self.slivers, self.faces, what));
         }
+        let mut others = [&mut self.uv_indices[..], &mut self.normal_indices[..]];
+        self.polygons.mend(&self.positions, &mut self.triangles, &mut others, &mut warnings, progress)?;
+        let colours = colours(self.colours, self.positions.len());
         let library = load_libraries(&self.libraries, folder, &mut warnings);
         let mut textures = Textures::new(folder);
         let materials = self.used.iter().map(|name| match name {
@@ -233,8 +264,30 @@ impl Obj {
         let mesh = Arc::new(TriangleMesh::new(self.positions, self.triangles)?);
         let material_ids = self.material_ids;
         let textures = textures.list;
-        Ok(Scene { mesh, materials, material_ids, normals, uvs, textures, warnings, ..Default::default() })
+        Ok(Scene {
+            mesh,
+            materials,
+            material_ids,
+            normals,
+            uvs,
+            colours,
+            textures,
+            warnings,
+            ..Default::default()
+        })
     }
+}
+
+/// Vertex colours in bytes. They are meant from 0 to 1; where one is above, all are taken for bytes.
+fn colours(mut colours: Vec<[f32; 3]>, vertices: usize) -> Option<Attribute<[u8; 4]>> {
+    if colours.is_empty() {
+        return None;
+    }
+    let scale = if colours.iter().flatten().any(|&x| x > 1.0) { 1.0 } else { 255.0 };
+    colours.resize(vertices, [255.0 / scale; 3]);
+    let byte = |x: f32| (x * scale).round() as u8;
+    let values = colours.into_iter().map(|[r, g, b]| [byte(r), byte(g), byte(b), 255]).collect();
+    Some(Attribute { values, indices: None })
 }
 
 fn out_of_range(what: &str, index: i64, count: usize) -> String {
@@ -256,7 +309,7 @@ fn attribute<T>(
     Some(Attribute { values, indices: (!same).then_some(indices) })
 }
 
-fn load_libraries(names: &[String], folder: Folder<'_>, warnings: &mut Vec<String>) -> Library {
+fn load_libraries(names: &[String], folder: Folder<'_>, warnings: &mut Vec<Warning>) -> Library {
     let mut library = Library::default();
     let mut seen = HashSet::new();
     for line in names {
@@ -271,7 +324,8 @@ fn load_libraries(names: &[String], folder: Folder<'_>, warnings: &mut Vec<Strin
                 Ok(bytes) => library.add(file, &bytes, warnings),
                 Err(why) => {
                     let file = quoted(file.as_bytes());
-                    warn(warnings, format!("material file {file} was left out: {why}"));
+                    let what = format!("material file {file} was left out: {why}");
+                    warn(warnings, Warning::new(WarningKind::Missing, what));
                 }
             }
         }

@@ -3,6 +3,9 @@
 use super::invalid;
 use crate::load::{LoadError, Place, error::quoted};
 
+/// The byte-order mark of UTF-8.
+const MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// How values are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
@@ -20,6 +23,8 @@ pub(super) enum Number {
     U16,
     I32,
     U32,
+    I64,
+    U64,
     F32,
     F64,
 }
@@ -33,6 +38,8 @@ impl Number {
             "ushort" | "uint16" => Self::U16,
             "int" | "int32" => Self::I32,
             "uint" | "uint32" => Self::U32,
+            "int64" => Self::I64,
+            "uint64" => Self::U64,
             "float" | "float32" => Self::F32,
             "double" | "float64" => Self::F64,
             _ => return None,
@@ -45,7 +52,7 @@ impl Number {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
             Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
+            Self::I64 | Self::U64 | Self::F64 => 8,
         }
     }
 }
@@ -97,15 +104,23 @@ pub(super) struct Header {
 
 impl Header {
     pub(super) fn parse(bytes: &[u8]) -> Result<Self, LoadError> {
-        if !bytes.starts_with(b"ply") {
+        // A byte-order mark, as Windows' editors and some scripts write it.
+        let mark = if bytes.starts_with(MARK) { MARK.len() } else { 0 };
+        if !bytes[mark..].starts_with(b"ply") {
             let what = format!("it starts with {}, not \"ply\"", quoted(&bytes[..bytes.len().min(8)]));
             return Err(invalid(Place::Byte(0), what, "give the file the extension of what it is"));
         }
         let mut encoding = None;
         let mut elements: Vec<Element> = Vec::new();
-        let (mut at, mut lines) = (0, 0);
+        let (mut at, mut lines) = (mark, 0);
+        // Lines end as the first one does: in CR alone, as the format's first description has it, or in LF.
+        let first = bytes.iter().position(|&b| b == b'\n' || b == b'\r');
+        let end = match first {
+            Some(k) if bytes[k] == b'\r' && bytes.get(k + 1) != Some(&b'\n') => b'\r',
+            _ => b'\n',
+        };
         loop {
-            let Some(length) = bytes[at..].iter().position(|&b| b == b'\n') else {
+            let Some(length) = bytes[at..].iter().position(|&b| b == end) else {
                 return Err(invalid(
                     Place::Line(lines + 1),
                     "the header ends without end_header",
@@ -169,6 +184,9 @@ impl Header {
                 "add \"format ascii 1.0\" or what it is",
             )
         })?;
+        if encoding == Encoding::Text && bytes[at..].starts_with(MARK) {
+            at += MARK.len();
+        }
         Ok(Self { encoding, elements, bytes: at, lines })
     }
 }

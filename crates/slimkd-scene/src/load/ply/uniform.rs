@@ -2,7 +2,7 @@
 
 use super::{
     header::{Element, Encoding, Number},
-    roles::{SLOTS, Slots, VertexColumns},
+    roles::{SLOTS, Slots, VertexColumns, colour_byte},
     values::decode,
 };
 use crate::load::{LoadError, LoadProgress};
@@ -62,13 +62,28 @@ pub(super) fn vertices(
         Ok(out)
     }
     let big = encoding.is_big();
-    let [x, y, z, nx, ny, nz, u, v] = fields;
+    let [x, y, z, nx, ny, nz, u, v, r, g, b, a] = fields;
     columns.positions = column(data, stride, [x, y, z], big, progress)?;
     if columns.has_normals {
         columns.normals = column(data, stride, [nx, ny, nz], big, progress)?;
     }
     if columns.has_uvs {
         columns.uvs = column(data, stride, [u, v], big, progress)?;
+    }
+    if columns.has_colours {
+        columns.colours = vec![[255; 4]; data.len() / stride];
+        let (rows, colours) = (data.par_chunks(BLOCK * stride), columns.colours.par_chunks_mut(BLOCK));
+        colours.zip(rows).try_for_each(|(colours, data)| {
+            progress.reach(0.0)?;
+            for (colour, row) in colours.iter_mut().zip(data.chunks_exact(stride)) {
+                for (byte, field) in colour.iter_mut().zip([r, g, b, a]) {
+                    if let Some((at, number)) = field {
+                        *byte = colour_byte(decode(&row[at..], number, big), number);
+                    }
+                }
+            }
+            Ok::<(), LoadError>(())
+        })?;
     }
     Ok(())
 }

@@ -6,7 +6,8 @@ use super::{
 };
 use crate::load::{LoadError, Place, error::quoted, text};
 
-/// The numbers of the file's data, in order. `f64` holds each of the format's types exactly.
+/// The numbers of the file's data, in order. `f64` holds each of the format's types exactly, and what an index may be of the
+/// 64-bit ones that some programs write.
 pub(super) trait Values {
     fn next(&mut self, number: Number) -> Result<f64, LoadError>;
     /// Where the next number is.
@@ -41,6 +42,8 @@ pub(super) fn decode(bytes: &[u8], number: Number, big: bool) -> f64 {
         Number::U16 => decode!(u16),
         Number::I32 => decode!(i32),
         Number::U32 => decode!(u32),
+        Number::I64 => decode!(i64),
+        Number::U64 => decode!(u64),
         Number::F32 => decode!(f32),
         Number::F64 => decode!(f64),
     }
@@ -82,7 +85,7 @@ impl Values for Text<'_> {
         while let [first, tail @ ..] = rest
             && first.is_ascii_whitespace()
         {
-            self.line += u64::from(*first == b'\n');
+            self.line += u64::from(ends_line(*first, tail));
             rest = tail;
         }
         let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
@@ -104,8 +107,10 @@ impl Values for Text<'_> {
     }
 
     fn place(&self) -> Place {
-        let ahead = self.bytes[self.at..].iter().take_while(|byte| byte.is_ascii_whitespace());
-        Place::Line(self.line + ahead.filter(|&&byte| byte == b'\n').count() as u64)
+        let rest = &self.bytes[self.at..];
+        let blanks = rest.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
+        let ends = (0..blanks).filter(|&k| ends_line(rest[k], &rest[k + 1..])).count();
+        Place::Line(self.line + ends as u64)
     }
 
     fn at(&self) -> usize {
@@ -115,6 +120,11 @@ impl Values for Text<'_> {
     fn most(&self, _: Number) -> u64 {
         (self.bytes.len() - self.at).div_ceil(2) as u64
     }
+}
+
+/// True for the last byte of a line's end: LF, or CR without an LF behind it.
+fn ends_line(byte: u8, tail: &[u8]) -> bool {
+    byte == b'\n' || (byte == b'\r' && tail.first() != Some(&b'\n'))
 }
 
 pub(super) fn cut_off(place: Place) -> LoadError {

@@ -1,10 +1,19 @@
-//! Binary PLY files of bare meshes: float32 positions, triangle lists of int32.
+//! Scenes written to files: binary PLY of bare meshes, float32 positions and triangle lists of int32.
 
 use slimkd::TriangleMesh;
 use std::io::{self, Write};
 
-/// Writes `mesh`; triangle ids are face order.
-pub(crate) fn write(mesh: &TriangleMesh, to: &mut impl Write) -> io::Result<()> {
+/// Writes `mesh` as a binary PLY. Triangle ids are face order, so that a tree of the file has the ids of this mesh.
+///
+/// ```
+/// use slimkd_scene::{Format, load_bytes, write_ply};
+/// let scene = load_bytes(Format::Obj, b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")?;
+/// let mut ply = Vec::new();
+/// write_ply(&scene.mesh, &mut ply)?;
+/// assert_eq!(load_bytes(Format::Ply, &ply)?.mesh.triangles(), [[0, 1, 2]]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write_ply(mesh: &TriangleMesh, to: &mut impl Write) -> io::Result<()> {
     write!(
         to,
         "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n\

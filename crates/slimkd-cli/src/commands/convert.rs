@@ -1,0 +1,54 @@
+//! `slimkd convert`: scenes of any format as one binary PLY.
+
+use crate::args::{MoreScenes, SceneArgs};
+use crate::failure::Failure;
+use crate::output::{Output, unwritable};
+use crate::scenes;
+use crate::ui::{Ui, grouped};
+use clap::Args;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  slimkd convert model.glb -o model.ply
+  slimkd convert terrain.asc houses.obj -o town.ply";
+
+/// Arguments of `slimkd convert`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct ConvertArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    more: MoreScenes,
+    /// The PLY file to write: positions and triangles alone
+    #[arg(short, long, value_name = "file.ply")]
+    output: PathBuf,
+}
+
+/// Loads and writes.
+pub(crate) fn run(args: &ConvertArgs, ui: Ui) -> Result<(), Failure> {
+    let path = &args.output;
+    let is_device = path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir());
+    if !is_device && !path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ply")) {
+        return Err(Failure::Usage(format!(
+            "{}: scenes are written as PLY; end the name in .ply",
+            path.display()
+        )));
+    }
+    let output = Output::prepare(path)?
+        .apart_from(scenes::files(&args.scene.scene, &args.scene.details))?
+        .apart_from(args.more.more.iter().map(PathBuf::as_path))?;
+    let scene = scenes::load_all(&args.scene.scene, &args.more.more, &args.scene.details, ui)?.scene;
+    let mut draft = output.draft()?;
+    slimkd_scene::write_ply(&scene.mesh, &mut draft).map_err(|error| unwritable(path, &error))?;
+    draft.commit()?;
+    let (triangles, vertices) = (scene.mesh.len() as u64, scene.mesh.vertices().len() as u64);
+    ui.note(format_args!(
+        "wrote {}: {} triangles, {} vertices",
+        path.display(),
+        grouped(triangles),
+        grouped(vertices)
+    ));
+    Ok(())
+}
