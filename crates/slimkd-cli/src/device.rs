@@ -8,9 +8,9 @@ use crate::kernel::Kernel;
 use crate::ui::Ui;
 use clap::ValueEnum;
 use slimkd::{Aabb, Hit, KdTree, Ray};
+use slimkd_lab::Progress;
+use slimkd_lab::measure::{self, DeviceError, Ready};
 use slimkd_render::{Film, RenderError, RenderProgress, RenderSettings, Setup};
-use slimkd_report::Progress;
-use slimkd_report::measure::{self, DeviceError, Ready};
 use slimkd_scene::{Camera, Scene};
 
 /// A device, as the command line names it.

@@ -4,11 +4,11 @@ use crate::device::Tracer;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::kernel::Kernel;
-use crate::workloads::Workload;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use slimkd::Tracer as _;
 use slimkd::{Hit, KdTree, Ray};
+use slimkd_lab::workload::{Found, Workload};
 use std::time::Instant;
 
 /// Rays that a thread takes at a time.
@@ -59,9 +59,10 @@ impl Answers {
         .map_err(Failure::work)
     }
 
-    /// The closest hits of the last trace of closest hits.
-    pub(crate) fn closest(&self) -> &[Option<Hit>] {
-        &self.closest
+    /// The closest hits of the last trace of closest hits, as far as workloads need them.
+    pub(crate) fn found(&self) -> impl Iterator<Item = Found> {
+        let found = |hit: Hit| Found { t: hit.t, triangle: hit.triangle };
+        self.closest.iter().map(move |hit| hit.map_or(Found::MISS, found))
     }
 
     /// How many of a workload's rays hit.
@@ -119,16 +120,16 @@ pub(crate) fn agree_with_cpu(
     workload: &Workload,
 ) -> Result<usize, Failure> {
     let (mut cpu, mut other) = (Answers::default(), Answers::default());
-    let Workload { name, any, rays } = workload;
+    let (name, any, rays) = (workload.kind.name(), workload.kind.is_any(), &workload.rays);
     cpu.trace(pool, tree, rays, false)?;
     let bounds = tree.bounds();
     for device in devices {
-        other.trace_on(device.as_ref(), rays, *any)?;
+        other.trace_on(device.as_ref(), rays, any)?;
         let wrong = (0..rays.len()).find(|&index| {
             let (ray, wanted) = (&rays[index], cpu.closest[index]);
             let bound = |t: f32| device.t_bound(ray, &bounds, t);
             let near = |a: f32, b: f32| (a - b).abs() <= bound(a);
-            if *any {
+            if any {
                 // The same but where a hit lies at an end of the range.
                 let moved = |t: f32, by: f32| if t.is_finite() { t + by * bound(t) } else { t };
                 let ends = |by: f32| ray.with_range(moved(ray.t_min, -by), moved(ray.t_max, by));
@@ -146,13 +147,13 @@ pub(crate) fn agree_with_cpu(
             return Err(Failure::work(format_args!(
                 "the GPU answers {name} ray {ray} unlike the CPU ({} and {}), so no rate is reported; \
                  this is a bug in slimkd or in the GPU's driver, please report it with {:?}",
-                other.show(*any, ray),
+                other.show(any, ray),
                 cpu.show(false, ray),
                 rays[ray]
             )));
         }
     }
-    Ok(other.count(*any))
+    Ok(other.count(any))
 }
 
 /// A tree under its preset's name.
@@ -167,31 +168,32 @@ pub(crate) fn agree(
     workload: &Workload,
 ) -> Result<usize, Failure> {
     let (mut first, mut other) = (Answers::default(), Answers::with(kernel));
-    let Workload { name, any, rays } = workload;
-    first.trace(pool, trees[0].1, rays, *any)?;
+    let (name, any, rays) = (workload.kind.name(), workload.kind.is_any(), &workload.rays);
+    first.trace(pool, trees[0].1, rays, any)?;
     for (index, (preset, tree)) in trees.iter().enumerate() {
         if index == 0 && kernel == Kernel::Single {
             continue;
         }
-        other.trace(pool, tree, rays, *any)?;
-        if let Some(ray) = first.difference(&other, *any) {
+        other.trace(pool, tree, rays, any)?;
+        if let Some(ray) = first.difference(&other, any) {
             return Err(Failure::work(format_args!(
                 "{preset} and {} answer {name} ray {ray} differently ({} and {}), so no rate is reported; \
                  this is a bug in slimkd, please report it with {:?}",
                 trees[0].0,
-                other.show(*any, ray),
-                first.show(*any, ray),
+                other.show(any, ray),
+                first.show(any, ray),
                 rays[ray]
             )));
         }
     }
-    Ok(first.count(*any))
+    Ok(first.count(any))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use slimkd::{BuildOptions, TriangleMesh};
+    use slimkd_lab::workload::Kind;
 
     fn tree(height: f32) -> KdTree {
         let vertices = vec![[0.0, 0.0, height], [1.0, 0.0, height], [0.0, 1.0, height]];
@@ -201,7 +203,7 @@ mod tests {
 
     fn workload(any: bool) -> Workload {
         let rays = (0..100).map(|k| Ray::new([k as f32 * 0.01, 0.2, 5.0], [0.0, 0.0, -1.0])).collect();
-        Workload { name: "test", any, rays }
+        Workload { kind: if any { Kind::Shadow } else { Kind::Primary }, rays }
     }
 
     #[test]
@@ -215,7 +217,7 @@ mod tests {
         let failure =
             agree(&pool, &[("a", &a), ("b", &b), ("c", &c)], Kernel::Single, &workload(false)).unwrap_err();
         assert_eq!(failure.status(), 1);
-        assert!(failure.to_string().starts_with("c and a answer test ray 0 differently"), "{failure}");
+        assert!(failure.to_string().starts_with("c and a answer primary ray 0 differently"), "{failure}");
         // Whether there is a hit is the same in both.
         assert!(agree(&pool, &[("a", &a), ("c", &c)], Kernel::Packet, &workload(true)).is_ok());
     }

@@ -8,12 +8,13 @@ use crate::failure::Failure;
 use crate::kernel::Kernel;
 use crate::measure::{Answers, Named, agree, agree_with_cpu};
 use crate::ui::{Ui, Watched, grouped};
-use crate::workloads::{self, Workload};
 use rayon::ThreadPool;
 use slimkd::Ray;
-use slimkd_report::measure::{self, Cpu, Frame, frames, whitted};
-use slimkd_report::median::median;
-use slimkd_report::{Progress, ReportError};
+use slimkd_lab::basics::median::median;
+use slimkd_lab::measure::{self, Cpu, Frame, frames, whitted};
+use slimkd_lab::workload::{self, Found, Kind, Order, Recipe, Workload};
+use slimkd_lab::{Progress, ReportError};
+use slimkd_render::PinholeFrame;
 use slimkd_scene::Scene;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
@@ -26,7 +27,11 @@ const LEAST_RAYS: usize = 1 << 14;
 /// Most rays of a workload: the pixels of one picture.
 pub(super) const MOST_RAYS: usize = 1 << 20;
 /// Number of workloads.
-const WORKLOADS: usize = 4;
+const WORKLOADS: usize = Kind::ALL.len();
+/// Edge of the pictures that primary rays belong to, pixels.
+const PICTURE: usize = 1024;
+/// Seed of the bounces and of the random rays.
+const SEED: u64 = 1;
 /// Where rays are traced.
 const CPU: &str = "cpu";
 /// The same.
@@ -66,7 +71,7 @@ impl Bench<'_> {
             steps.done(self.trees.len());
             let share = 100.0 * count as f64 / workload.rays.len().max(1) as f64;
             let rays = grouped(workload.rays.len() as u64);
-            ui.note(format_args!("{}: {rays} rays, {share:.1} % hit, {alike}", workload.name));
+            ui.note(format_args!("{}: {rays} rays, {share:.1} % hit, {alike}", workload.kind.name()));
             hits.push(count);
         }
         let mut answers = Answers::with(self.kernel);
@@ -76,7 +81,8 @@ impl Bench<'_> {
                 for turn in 0..self.trees.len() {
                     // Another preset begins each time, so that none always runs in the wake of the same one.
                     let index = (turn + round) % self.trees.len();
-                    let seconds = self.trace(&mut answers, &uploaded, index, &workload.rays, workload.any)?;
+                    let seconds =
+                        self.trace(&mut answers, &uploaded, index, &workload.rays, workload.kind.is_any())?;
                     rates[index].push(workload.rays.len() as f64 / seconds.max(1e-9) / 1e6);
                     steps.done(1);
                 }
@@ -90,7 +96,7 @@ impl Bench<'_> {
                     kernel: self.kernel.name(),
                     device: self.device_name(),
                     threads: self.threads(),
-                    workload: workload.name,
+                    workload: workload.kind.name(),
                     rays: workload.rays.len(),
                     hits,
                     mrays_per_s: median(rates).unwrap_or(f64::NAN),
@@ -133,16 +139,30 @@ impl Bench<'_> {
     /// The rays, as many as the time allows.
     fn workloads(&self, uploaded: &[Box<dyn Tracer + '_>]) -> Result<Vec<Workload>, Failure> {
         let tree = self.trees[0].1;
-        let mut answers = Answers::with(self.kernel);
         let most = self.rays.unwrap_or(MOST_RAYS);
-        let mut primary = workloads::primary(&self.views, most)
-            .map_err(|error| Failure::work(format_args!("{}: {error} (--camera, --up)", self.place)))?;
+        let views = self.views.iter().map(|view| view.camera.into()).collect();
+        for view in &self.views {
+            PinholeFrame::new(&view.camera, 1.0)
+                .map_err(|error| Failure::work(format_args!("{}: {error} (--camera, --up)", self.place)))?;
+        }
+        let order = Order::Scattered;
+        let mut recipe = Recipe { views, size: PICTURE, order, random_rays: 0, seed: SEED };
+        let mut primary = workload::primary(&recipe);
+        primary.truncate(most);
         let count = self.affordable(uploaded, &primary, false)?;
         primary.truncate(count);
-        answers.trace(&self.pool, tree, &primary, false)?;
-        let mut workloads = workloads::all(self.scene, tree, &self.views, primary, answers.closest());
+        recipe.random_rays = primary.len();
+        let closest = |rays: &[Ray], found: &mut [Found]| {
+            // Ctrl-C leaves misses; the next trace ends the measurement.
+            let mut answers = Answers::with(self.kernel);
+            if answers.trace(&self.pool, tree, rays, false).is_ok() {
+                found.iter_mut().zip(answers.found()).for_each(|(found, hit)| *found = hit);
+            }
+        };
+        let rays = workload::generate_from(&self.scene.mesh, &closest, &recipe, primary, Kind::ALL);
+        let mut workloads = rays.workloads;
         for workload in &mut workloads {
-            let count = self.affordable(uploaded, &workload.rays, workload.any)?;
+            let count = self.affordable(uploaded, &workload.rays, workload.kind.is_any())?;
             workload.rays.truncate(count);
         }
         // A workload without a ray has no rate: the camera sees nothing, or no light.
