@@ -11,7 +11,7 @@ pub(crate) fn device() -> Option<Device> {
     match Device::open(None) {
         Ok(device) => Some(device),
         Err(GpuError::NoAdapter) => {
-            println!("skipped: no GPU adapter on this machine (mesa-vulkan-drivers brings a software one)");
+            slimkd_util::missing("gpu", "Debian: apt-get install mesa-vulkan-drivers");
             None
         }
         Err(error) => panic!("{error}"),

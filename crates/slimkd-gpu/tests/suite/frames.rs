@@ -1,9 +1,7 @@
 //! Whole pictures: the twin's and the GPU's against the CPU's.
 #![cfg(feature = "render")]
 
-mod common;
-
-use common::{build, device};
+use crate::common::{build, device};
 use glam::Vec3;
 use slimkd::{KdTree, Preset, TriangleMesh};
 use slimkd_gpu::frame::{Frame, FrameError, GpuScene};

@@ -1,11 +1,9 @@
 //! Pictures against those in `tests/golden`. After a change that is meant to alter them, regenerate them with
-//! `SLIMKD_UPDATE_GOLDEN=1 cargo test -p slimkd-render --test golden`, and look at each before committing it.
+//! `SLIMKD_UPDATE_GOLDEN=1 cargo test -p slimkd-render --test suite golden::`, and look at each before committing it.
 //!
 //! A picture that fails is written to the system's folder for temporary files, for comparison.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::Vec3;
 use slimkd_render::{BitDepth, Development, Film, RenderSettings};
 use slimkd_scene::{Camera, Material};

@@ -1,8 +1,6 @@
 //! Pictures whose pixels can be calculated by hand.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::Vec3;
 use slimkd_render::dielectric_reflectance;
 use slimkd_scene::{Camera, Light, Material};

@@ -1,7 +1,5 @@
 //! Pictures on disk.
 
-mod common;
-
 use slimkd_render::{BitDepth, Development, Film, FilmError, ToneMap};
 use std::path::Path;
 

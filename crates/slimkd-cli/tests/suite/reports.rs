@@ -1,8 +1,6 @@
 //! `build`, `inspect` and `bench`: what scripts read.
 
-mod common;
-
-use common::{Tool, keys, set, square};
+use crate::common::{Tool, keys, set, square};
 use serde_json::Value;
 
 const REPORT: &str = "schema scene.triangles scene.vertices scene.degenerate preset threads sah.traversal \

@@ -1,8 +1,6 @@
 //! Trees that `build -o` saved.
 
-mod common;
-
-use common::{Tool, keys, ray_file};
+use crate::common::{Tool, keys, ray_file};
 use slimkd::{Preset, Ray};
 
 const SCENE: &str = "kitchen --triangles 3000";

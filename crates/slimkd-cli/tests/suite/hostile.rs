@@ -2,11 +2,10 @@
 //! memory, and never a panic. Limits are the operating system's.
 #![cfg(unix)]
 
-mod common;
-#[path = "../../slimkd/tests/common/skd.rs"]
+#[path = "../../../slimkd/tests/common/skd.rs"]
 mod skd;
 
-use common::{Tool, ray_file, square};
+use crate::common::{Tool, ray_file, square};
 use slimkd::{Preset, Ray};
 use std::io::Write;
 

@@ -1,8 +1,6 @@
 //! Automatic views: indoors where there is an inside, else around; always usable.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::Vec3;
 use slimkd::{BuildOptions, KdTree, Ray, Tracer, TriangleMesh};
 use slimkd_render::{RenderProgress, RenderSettings, render, views};

@@ -137,3 +137,35 @@ pub fn ray_file(path: &Path, rays: &[slimkd::Ray]) {
     });
     std::fs::write(path, floats.flat_map(f32::to_le_bytes).collect::<Vec<_>>()).unwrap();
 }
+
+/// What a running process has done.
+#[cfg(unix)]
+#[derive(Debug)]
+pub struct State {
+    /// Whether it listens to Ctrl-C.
+    pub listens: bool,
+    /// Processor time of all its threads, ticks of usually 10 ms.
+    pub ticks: u64,
+}
+
+/// Waits until a child has got somewhere or has ended; `None` where there is no /proc to see that.
+#[cfg(unix)]
+pub fn until(child: &std::process::Child, there: impl Fn(&State) -> bool) -> Option<()> {
+    const SIGINT: u64 = 1 << (2 - 1);
+    let folder = PathBuf::from(format!("/proc/{}", child.id()));
+    loop {
+        let status = std::fs::read_to_string(folder.join("status")).ok()?;
+        let signals = status.lines().find_map(|line| line.strip_prefix("SigCgt:"))?;
+        let stat = std::fs::read_to_string(folder.join("stat")).ok()?;
+        // The name before it may hold spaces.
+        let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
+        let state = State {
+            listens: u64::from_str_radix(signals.trim(), 16).ok()? & SIGINT != 0,
+            ticks: fields.get(11)?.parse::<u64>().ok()? + fields.get(12)?.parse::<u64>().ok()?,
+        };
+        if fields[0] == "Z" || there(&state) {
+            return Some(());
+        }
+        std::thread::yield_now();
+    }
+}

@@ -1,11 +1,9 @@
 //! `slimkd trace`, from files to files, against brute force on every ray.
 
-mod common;
-
-#[path = "../../slimkd/tests/common/mod.rs"]
+#[path = "../../../slimkd/tests/common/mod.rs"]
 mod rays;
 
-use common::{Tool, ray_file};
+use crate::common::{Tool, ray_file};
 use rayon::prelude::*;
 use slimkd::{BruteForce, Hit, Preset, Tracer, TriangleMesh};
 use slimkd_scene::{LoadProgress, load, procedural};

@@ -1,8 +1,6 @@
 //! Broken input is refused or harmless; nothing panics.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use glam::Vec3;
 use slimkd::TriangleMesh;
 use slimkd_render::{

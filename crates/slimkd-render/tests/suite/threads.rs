@@ -1,8 +1,6 @@
 //! The same picture at any thread count; progress and cancelling.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use slimkd_render::{RenderError, RenderProgress, RenderSettings, render};
 use std::num::NonZeroUsize;
 

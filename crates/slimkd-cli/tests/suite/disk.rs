@@ -1,11 +1,8 @@
 //! Whatever becomes of a process or of its disk, a saved tree is the old one or the new one.
 #![cfg(unix)]
 
-mod common;
-
-use common::Tool;
+use crate::common::{Tool, until};
 use std::process::{Command, Stdio};
-use std::time::Duration;
 
 /// Large enough that writing takes a while.
 const SCENE: &str = "building --triangles 20000";
@@ -39,7 +36,8 @@ fn killed_at_any_moment() {
         let before = read(&tool, "tree.skd");
         let mut child = tool.command(&format!("build {SCENE} --preset {preset} -o tree.skd --quiet"));
         let mut child = child.stdout(Stdio::null()).spawn().unwrap();
-        std::thread::sleep(Duration::from_millis(20 * attempt));
+        // By the work that it has done, so that a slow machine kills at the same places; at once where that cannot be seen.
+        let _ = until(&child, |state| state.ticks >= 2 * attempt);
         child.kill().unwrap();
         child.wait().unwrap();
         let after = read(&tool, "tree.skd");

@@ -1,15 +1,13 @@
 //! `--device` of render, bench and report; a software GPU is enough.
 #![cfg(feature = "gpu")]
 
-mod common;
-
-use common::Tool;
+use crate::common::Tool;
 
 /// Whether there is any adapter.
 fn there_is_one(tool: &Tool) -> bool {
     let there = tool.ok("devices").stdout.contains("gpu  ");
     if !there {
-        println!("skipped: no GPU adapter on this machine");
+        slimkd_util::missing("gpu", "Debian: apt-get install mesa-vulkan-drivers");
     }
     there
 }

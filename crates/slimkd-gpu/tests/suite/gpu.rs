@@ -1,8 +1,6 @@
 //! Kernels on whatever GPU there is, Mesa's software one at least: against the twin to the bit, against the CPU within the bound.
 
-mod common;
-
-use common::{build, complaint, device, rays, scene};
+use crate::common::{build, complaint, device, rays, scene};
 use slimkd::{KdTree, Preset, Ray, Tracer};
 use slimkd_gpu::twin::Twin;
 use slimkd_gpu::{Device, GpuError, GpuTree, Image, UploadOptions};

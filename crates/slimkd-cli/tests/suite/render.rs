@@ -1,8 +1,6 @@
 //! `slimkd render`, `scene` and `completions`: what people get.
 
-mod common;
-
-use common::{Tool, square};
+use crate::common::{Tool, square};
 
 /// Width and height of a PNG, from its header.
 fn png_size(bytes: &[u8]) -> (u32, u32) {

@@ -1,8 +1,6 @@
 //! `slimkd trace` answers as the library does.
 
-mod common;
-
-use common::{Tool, ray_file};
+use crate::common::{Tool, ray_file};
 use slimkd::{KdTree, Preset, Ray, Tracer};
 
 const SCENE: &str = "kitchen --triangles 3000";
@@ -122,7 +120,7 @@ fn a_gpu_finds_what_the_library_finds() {
     let listed = tool.run("devices");
     assert_eq!(listed.status, 0);
     if !listed.stdout.contains("gpu  ") {
-        println!("skipped: no GPU adapter on this machine");
+        slimkd_util::missing("gpu", "Debian: apt-get install mesa-vulkan-drivers");
         return;
     }
     let rays = rays(&tree, 2000);

@@ -1,36 +1,23 @@
 //! Ctrl-C, and readers that hang up.
 #![cfg(unix)]
 
-mod common;
-
-use common::Tool;
+use crate::common::{State, Tool, until};
 use std::fs::File;
-use std::process::{Child, Command, Stdio};
-use std::time::Duration;
+use std::process::{Command, Stdio};
 
-/// Waits until the tool listens to Ctrl-C and has got to work.
-fn until_listening(child: &Child) {
-    const SIGINT: u64 = 1 << (2 - 1);
-    for _ in 0..500 {
-        std::thread::sleep(Duration::from_millis(20));
-        let status = std::fs::read_to_string(format!("/proc/{}/status", child.id()));
-        // Where there is no /proc, the whole wait is the time it gets.
-        let caught = status.ok().and_then(|status| {
-            let line = status.lines().find(|line| line.starts_with("SigCgt:"))?;
-            u64::from_str_radix(line.split_whitespace().nth(1)?, 16).ok()
-        });
-        if caught.is_some_and(|signals| signals & SIGINT != 0) {
-            break;
-        }
-    }
-    std::thread::sleep(Duration::from_millis(300));
-}
+/// Processor time after which the tool is at work, ticks of usually 10 ms.
+const AT_WORK: u64 = 20;
 
 /// Sends Ctrl-C into work that takes much longer than the test.
 fn interrupted(line: &str) {
     let tool = Tool::new();
     let mut child = tool.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    until_listening(&child);
+    let Some(()) = until(&child, |state: &State| state.listens && state.ticks >= AT_WORK) else {
+        println!("skipped: no /proc");
+        child.kill().unwrap();
+        child.wait().unwrap();
+        return;
+    };
     assert!(child.try_wait().unwrap().is_none(), "{line} was too quick for this test");
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();

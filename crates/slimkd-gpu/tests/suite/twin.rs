@@ -1,8 +1,6 @@
 //! The twin against the CPU's tree: the arithmetic of the GPU's kernels, without a GPU.
 
-mod common;
-
-use common::{build, complaint, rays, scene};
+use crate::common::{build, complaint, rays, scene};
 use slimkd::{KdTree, Preset, Tracer};
 use slimkd_gpu::Image;
 use slimkd_gpu::twin::Twin;
