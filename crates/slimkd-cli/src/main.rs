@@ -9,8 +9,6 @@ mod commands;
 mod device;
 mod failure;
 mod interrupt;
-mod kernel;
-mod measure;
 mod output;
 mod ply;
 mod rays;

@@ -2,6 +2,7 @@
 
 use crate::measure::DeviceError;
 use slimkd::BuildError;
+use slimkd_render::CameraError;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -43,6 +44,15 @@ pub enum ReportError {
         "{0} and {1} show view {2} differently, so no rate is reported; this is a bug in slimkd, please report it"
     )]
     Differ(String, String, usize),
+    /// Two trees, or a device and the CPU, answer a ray differently, which is a bug in slimkd or in a driver: report it.
+    #[error("{0}")]
+    Answers(String),
+    /// A device failed: it says why.
+    #[error("{0}")]
+    Device(String),
+    /// A camera looks nowhere: choose another.
+    #[error(transparent)]
+    Camera(CameraError),
     /// No view of the scene was found: give the file cameras.
     #[error("{0}: found no view of it; give the scene cameras")]
     NoView(String),

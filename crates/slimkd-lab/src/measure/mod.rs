@@ -4,6 +4,7 @@ mod ablation;
 mod frames;
 mod heat;
 mod pictures;
+pub mod rates;
 mod scaling;
 mod session;
 mod shape;

@@ -21,7 +21,7 @@ pub const LIGHT_SKY: f64 = 0.5;
 
 /// What is asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "peers", derive(clap::ValueEnum))]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Kind {
     /// Closest hits through the pixels of a picture.
     Primary,

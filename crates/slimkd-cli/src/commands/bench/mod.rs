@@ -6,14 +6,14 @@ mod runner;
 use crate::args::{CameraArgs, SceneArgs, Size, TuningArgs, preset, threads, within};
 use crate::device::{self, Choice, Device};
 use crate::failure::Failure;
-use crate::kernel::Kernel;
 use crate::trees::Tree;
 use crate::ui::Ui;
 use crate::{cameras, scenes, trees, ui};
 use clap::Args;
 use report::Report;
-use runner::{Bench, MOST_RAYS, Steps};
+use runner::{Bench, Steps};
 use slimkd::Preset;
+use slimkd_lab::measure::rates::{Kernel, MOST_RAYS};
 use std::num::NonZeroUsize;
 
 const EXAMPLES: &str = "\

@@ -1,11 +1,11 @@
 //! How rays are traced.
 
-use clap::ValueEnum;
 use slimkd::{Hit, Ray, Tracer};
 
 /// A traversal kernel. All give the same hits.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Kernel {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+pub enum Kernel {
     /// Ray by ray
     #[default]
     Single,
@@ -17,7 +17,7 @@ pub(crate) enum Kernel {
 
 impl Kernel {
     /// The name in JSON.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Single => "single",
             Self::Packet => "packet",
@@ -26,7 +26,7 @@ impl Kernel {
     }
 
     /// Closest hits of a batch.
-    pub(crate) fn closest(self, tree: &dyn Tracer, rays: &[Ray], hits: &mut [Option<Hit>]) {
+    pub fn closest(self, tree: &dyn Tracer, rays: &[Ray], hits: &mut [Option<Hit>]) {
         match self {
             Self::Single => rays.iter().zip(hits).for_each(|(ray, hit)| *hit = tree.closest(ray)),
             Self::Packet => tree.batch().coherent().closest(rays, hits),
@@ -35,7 +35,7 @@ impl Kernel {
     }
 
     /// Any-hit answers of a batch.
-    pub(crate) fn any(self, tree: &dyn Tracer, rays: &[Ray], hits: &mut [bool]) {
+    pub fn any(self, tree: &dyn Tracer, rays: &[Ray], hits: &mut [bool]) {
         match self {
             Self::Single => rays.iter().zip(hits).for_each(|(ray, hit)| *hit = tree.any(ray)),
             Self::Packet => tree.batch().coherent().any(rays, hits),

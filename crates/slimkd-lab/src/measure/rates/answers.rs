@@ -1,14 +1,12 @@
 //! Rates of trees that must agree: every answer is compared before the clock runs, then the trees take turns.
 
-use crate::device::Tracer;
-use crate::failure::Failure;
-use crate::interrupt;
-use crate::kernel::Kernel;
+use super::{Kernel, Named, RayTracer, Watch};
+use crate::ReportError;
+use crate::workload::{Found, Workload};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use slimkd::Tracer as _;
 use slimkd::{Hit, KdTree, Ray};
-use slimkd_lab::workload::{Found, Workload};
 use std::time::Instant;
 
 /// Rays that a thread takes at a time.
@@ -16,7 +14,7 @@ const CHUNK: usize = 1024;
 
 /// Room for the answers to a workload, so that no run allocates.
 #[derive(Default)]
-pub(crate) struct Answers {
+pub(super) struct Answers {
     kernel: Kernel,
     closest: Vec<Option<Hit>>,
     any: Vec<bool>,
@@ -24,31 +22,38 @@ pub(crate) struct Answers {
 
 impl Answers {
     /// To be traced by `kernel`; the default is ray by ray.
-    pub(crate) fn with(kernel: Kernel) -> Self {
+    pub(super) fn with(kernel: Kernel) -> Self {
         Self { kernel, ..Self::default() }
     }
 
-    /// Traces `rays`, in the pool's threads; the seconds that it took. Fails on Ctrl-C only.
-    pub(crate) fn trace(
+    /// Traces `rays`, in the pool's threads; the seconds that it took. Fails when it is cancelled only.
+    pub(super) fn trace(
         &mut self,
+        watch: &dyn Watch,
         pool: &ThreadPool,
         tree: &KdTree,
         rays: &[Ray],
         any: bool,
-    ) -> Result<f64, Failure> {
+    ) -> Result<f64, ReportError> {
         let kernel = self.kernel;
         if any {
             self.any.resize(rays.len(), false);
-            time(pool, rays, &mut self.any, |rays, hits| kernel.any(tree, rays, hits))
+            time(watch, pool, rays, &mut self.any, |rays, hits| kernel.any(tree, rays, hits))
         } else {
             self.closest.resize(rays.len(), None);
-            time(pool, rays, &mut self.closest, |rays, hits| kernel.closest(tree, rays, hits))
+            time(watch, pool, rays, &mut self.closest, |rays, hits| kernel.closest(tree, rays, hits))
         }
     }
 
     /// The same on a device; the seconds of its kernels.
-    pub(crate) fn trace_on(&mut self, device: &dyn Tracer, rays: &[Ray], any: bool) -> Result<f64, Failure> {
-        interrupt::check()?;
+    pub(super) fn trace_on(
+        &mut self,
+        watch: &dyn Watch,
+        device: &dyn RayTracer,
+        rays: &[Ray],
+        any: bool,
+    ) -> Result<f64, ReportError> {
+        check(watch)?;
         if any {
             self.any.resize(rays.len(), false);
             device.any(rays, &mut self.any)
@@ -56,11 +61,11 @@ impl Answers {
             self.closest.resize(rays.len(), None);
             device.closest(rays, &mut self.closest)
         }
-        .map_err(Failure::work)
+        .map_err(ReportError::Device)
     }
 
     /// The closest hits of the last trace of closest hits, as far as workloads need them.
-    pub(crate) fn found(&self) -> impl Iterator<Item = Found> {
+    pub(super) fn found(&self) -> impl Iterator<Item = Found> {
         let found = |hit: Hit| Found { t: hit.t, triangle: hit.triangle };
         self.closest.iter().map(move |hit| hit.map_or(Found::MISS, found))
     }
@@ -90,41 +95,47 @@ impl Answers {
     }
 }
 
+fn check(watch: &dyn Watch) -> Result<(), ReportError> {
+    if watch.is_cancelled() { Err(ReportError::Cancelled) } else { Ok(()) }
+}
+
 fn time<T: Send>(
+    watch: &dyn Watch,
     pool: &ThreadPool,
     rays: &[Ray],
     hits: &mut [T],
     trace: impl Fn(&[Ray], &mut [T]) + Sync,
-) -> Result<f64, Failure> {
+) -> Result<f64, ReportError> {
     let chunks = rays.par_chunks(CHUNK).zip(hits.par_chunks_mut(CHUNK));
     let started = Instant::now();
     pool.install(|| {
         chunks.for_each(|(rays, hits)| {
-            // One relaxed load in a thousand rays costs nothing, and Ctrl-C need not wait for the rest.
-            if !interrupt::pending() {
+            // One relaxed load in a thousand rays costs nothing, and whoever cancels need not wait for the rest.
+            if !watch.is_cancelled() {
                 trace(rays, hits);
             }
         });
     });
     let seconds = started.elapsed().as_secs_f64();
-    interrupt::check()?;
+    check(watch)?;
     Ok(seconds)
 }
 
 /// Compares a device's answers to a workload with those of the CPU: the same but for what the device may err by. How many of its
 /// rays hit.
-pub(crate) fn agree_with_cpu(
+pub(super) fn agree_with_cpu(
+    watch: &dyn Watch,
     pool: &ThreadPool,
     tree: &KdTree,
-    devices: &[Box<dyn Tracer + '_>],
+    devices: &[Box<dyn RayTracer + '_>],
     workload: &Workload,
-) -> Result<usize, Failure> {
+) -> Result<usize, ReportError> {
     let (mut cpu, mut other) = (Answers::default(), Answers::default());
     let (name, any, rays) = (workload.kind.name(), workload.kind.is_any(), &workload.rays);
-    cpu.trace(pool, tree, rays, false)?;
+    cpu.trace(watch, pool, tree, rays, false)?;
     let bounds = tree.bounds();
     for device in devices {
-        other.trace_on(device.as_ref(), rays, any)?;
+        other.trace_on(watch, device.as_ref(), rays, any)?;
         let wrong = (0..rays.len()).find(|&index| {
             let (ray, wanted) = (&rays[index], cpu.closest[index]);
             let bound = |t: f32| device.t_bound(ray, &bounds, t);
@@ -144,7 +155,7 @@ pub(crate) fn agree_with_cpu(
             !same && !wanted.is_some_and(at_an_end) && !found.is_some_and(at_an_end)
         });
         if let Some(ray) = wrong {
-            return Err(Failure::work(format_args!(
+            return Err(ReportError::Answers(format!(
                 "the GPU answers {name} ray {ray} unlike the CPU ({} and {}), so no rate is reported; \
                  this is a bug in slimkd or in the GPU's driver, please report it with {:?}",
                 other.show(any, ray),
@@ -156,27 +167,25 @@ pub(crate) fn agree_with_cpu(
     Ok(other.count(any))
 }
 
-/// A tree under its preset's name.
-pub(crate) type Named<'a> = (&'static str, &'a KdTree);
-
 /// Compares the answers of all trees, traced by `kernel`, to a workload with those of the first one ray by ray; how many
 /// rays hit.
-pub(crate) fn agree(
+pub(super) fn agree(
+    watch: &dyn Watch,
     pool: &ThreadPool,
     trees: &[Named<'_>],
     kernel: Kernel,
     workload: &Workload,
-) -> Result<usize, Failure> {
+) -> Result<usize, ReportError> {
     let (mut first, mut other) = (Answers::default(), Answers::with(kernel));
     let (name, any, rays) = (workload.kind.name(), workload.kind.is_any(), &workload.rays);
-    first.trace(pool, trees[0].1, rays, any)?;
+    first.trace(watch, pool, trees[0].1, rays, any)?;
     for (index, (preset, tree)) in trees.iter().enumerate() {
         if index == 0 && kernel == Kernel::Single {
             continue;
         }
-        other.trace(pool, tree, rays, any)?;
+        other.trace(watch, pool, tree, rays, any)?;
         if let Some(ray) = first.difference(&other, any) {
-            return Err(Failure::work(format_args!(
+            return Err(ReportError::Answers(format!(
                 "{preset} and {} answer {name} ray {ray} differently ({} and {}), so no rate is reported; \
                  this is a bug in slimkd, please report it with {:?}",
                 trees[0].0,
@@ -192,8 +201,12 @@ pub(crate) fn agree(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::workload::Kind;
     use slimkd::{BuildOptions, TriangleMesh};
-    use slimkd_lab::workload::Kind;
+
+    struct Silent;
+
+    impl Watch for Silent {}
 
     fn tree(height: f32) -> KdTree {
         let vertices = vec![[0.0, 0.0, height], [1.0, 0.0, height], [0.0, 1.0, height]];
@@ -209,16 +222,16 @@ mod tests {
     #[test]
     fn trees_that_differ_are_found_out() {
         let (a, b, c) = (tree(0.0), tree(0.0), tree(1.0));
-        let pool = crate::trees::pool(2).unwrap();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
         for (any, kernel) in [(false, Kernel::Single), (true, Kernel::Packet), (false, Kernel::Packet)] {
-            let hits = agree(&pool, &[("a", &a), ("b", &b)], kernel, &workload(any)).unwrap();
+            let hits = agree(&Silent, &pool, &[("a", &a), ("b", &b)], kernel, &workload(any)).unwrap();
             assert!((79..=82).contains(&hits), "{hits}");
         }
         let failure =
-            agree(&pool, &[("a", &a), ("b", &b), ("c", &c)], Kernel::Single, &workload(false)).unwrap_err();
-        assert_eq!(failure.status(), 1);
+            agree(&Silent, &pool, &[("a", &a), ("b", &b), ("c", &c)], Kernel::Single, &workload(false))
+                .unwrap_err();
         assert!(failure.to_string().starts_with("c and a answer primary ray 0 differently"), "{failure}");
         // Whether there is a hit is the same in both.
-        assert!(agree(&pool, &[("a", &a), ("c", &c)], Kernel::Packet, &workload(true)).is_ok());
+        assert!(agree(&Silent, &pool, &[("a", &a), ("c", &c)], Kernel::Packet, &workload(true)).is_ok());
     }
 }
