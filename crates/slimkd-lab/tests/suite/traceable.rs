@@ -1,8 +1,6 @@
 //! Every number of a page is computed again from the raw JSON; runs differ in times alone; a run goes on where it stopped.
 
-mod common;
-
-use common::report;
+use crate::common::report;
 use serde_json::Value;
 use slimkd_lab::{ReportError, report::output};
 use std::fs;

@@ -1,8 +1,6 @@
 //! The page in a real browser, at the width of a desk and of a phone, light and dark: nothing is cut off, nothing empty.
 //! Skipped, with a word, where there is no Chromium.
 
-mod common;
-
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -72,11 +70,11 @@ fn look(picture: &Path, width: u32) -> (f64, usize) {
 #[test]
 fn nothing_is_cut_off_or_empty() {
     let Some(browser) = browser() else {
-        println!("skipped: no Chromium on the path (Debian: apt-get install chromium)");
+        slimkd_util::missing("chromium", "Debian: apt-get install chromium");
         return;
     };
     let folder = tempfile::tempdir().unwrap();
-    common::report(folder.path(), None).unwrap();
+    crate::common::report(folder.path(), None).unwrap();
     let page = std::fs::read_to_string(folder.path().join("index.html")).unwrap();
     std::fs::write(folder.path().join("checked.html"), page.replace("</body>", &format!("{CHECK}</body>")))
         .unwrap();
