@@ -6,6 +6,7 @@
 mod args;
 mod cameras;
 mod commands;
+mod cut_short;
 mod device;
 mod failure;
 mod interrupt;

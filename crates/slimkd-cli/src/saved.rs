@@ -1,6 +1,7 @@
 //! Trees that `slimkd build -o` saved, in place of a scene.
 
 use crate::args::SceneDetails;
+use crate::cut_short;
 use crate::failure::Failure;
 use crate::interrupt::Interruptible;
 use crate::scenes::{self, Loaded};
@@ -59,6 +60,7 @@ pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded
 /// Maps a tree into memory and proves nothing of it but its table: ready at once.
 pub(crate) fn map(path: &Path) -> Result<OpenTree<Mmap>, Failure> {
     let file = open(path)?;
+    cut_short::listen(path);
     // SAFETY: the bytes may change while another process writes to the file, which `slimkd` itself never does to a file in
     // place. `OpenTree` believes none of them, copies what it decides by, and checks every access.
     let bytes = unsafe { Mmap::map(&file) }

@@ -1,7 +1,7 @@
 //! One tile of the picture, a sample of every pixel after the other.
 //!
 //! Pixels go in blocks of 8 × 8 made of blocks of 4 × 4: those are the groups and packets that
-//! [`slimkd::KdTree::closest_hits_coherent`] traces.
+//! [`slimkd::Batch::coherent`] traces.
 
 use crate::camera::PinholeFrame;
 use crate::progress::{RenderProgress, RenderStatistics};

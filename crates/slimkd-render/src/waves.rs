@@ -1,7 +1,7 @@
 //! From camera rays to colours: all rays of a depth of the recursion together, then those that they send on.
 //!
 //! Mirrored and refracted rays of neighbouring pixels mostly stay neighbours, so each kind is a run of its own in the batch
-//! that [`slimkd::KdTree::closest_hits_coherent`] gets; what scatters goes on as a stream there.
+//! that [`slimkd::Batch::coherent`] gets; what scatters goes on as a stream there.
 
 use crate::lighting::Lighting;
 use crate::progress::RenderStatistics;

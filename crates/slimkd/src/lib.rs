@@ -70,13 +70,17 @@
 //! Builds run on the current rayon pool or on [`BuildOptions::threads`] threads; the tree's bytes are the same. A
 //! [`Progress`] tells another thread how far a build is, and cancels it. Depth is bounded only by the scene.
 //!
+//! # Vectors of other crates
+//!
+//! Points and directions are `[f32; 3]`, or anything that turns into it: glam's, nalgebra's and mint's types do. What comes back turns
+//! into theirs by `.into()`. [`Ray`] and [`Hit`] are plain old data for `bytemuck`: a slice of rays has the bytes of a `rays.f32` file.
+//!
 //! # Features
 //!
 //! | feature | default | what it adds |
 //! |---|---|---|
 //! | `rayon` | yes | builds and batches on several threads; without it the crate builds for `wasm32-unknown-unknown` |
 //! | `serde` | no | options, sizes, statistics, rays and hits as serde types |
-//! | `mint` | no | conversions of mint's points and vectors, which glam, nalgebra and others have too |
 //! | `counters` | no | [`Counters`] of what kernels do; tracing is slower |
 
 #[cfg(doctest)]
@@ -107,8 +111,8 @@ pub use job::Progress;
 pub use layout::EncodedTree;
 #[doc(inline)]
 pub use options::{
-    BuildError, BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset, SahConstants, TreeBudget,
-    UnknownName,
+    BuildError, BuildOptions, Clipping, Countable, HoistAlgorithm, Hoisting, Layout, Preset, SahConstants,
+    TreeBudget, UnknownName,
 };
 #[doc(inline)]
 pub use query::{Batch, BatchHits, BruteForce, HitColumns, Hits, Query, RayColumns, Rays, Tracer};

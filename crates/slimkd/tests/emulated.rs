@@ -1,6 +1,5 @@
 //! The same bits on lower processors than this one: this program runs itself under qemu-user, as a processor with SSE2 alone and as
-//! one with AVX2, and compares what they build and hit. Skipped with a word where qemu-x86_64 is missing
-//! (Debian: qemu-user), unless SLIMKD_REQUIRE names qemu.
+//! one with AVX2, and compares what they build and hit. Skipped with a word where qemu-x86_64 is missing (Debian: qemu-user).
 #![cfg(all(target_arch = "x86_64", target_os = "linux"))]
 
 mod common;
@@ -70,10 +69,7 @@ fn lower_processors_build_and_hit_the_same() {
         return;
     }
     if Command::new("qemu-x86_64").arg("--version").output().is_err() {
-        let required = std::env::var("SLIMKD_REQUIRE").unwrap_or_default();
-        assert!(!required.split(',').any(|tool| tool == "qemu"), "qemu-x86_64 is missing; install qemu-user");
-        eprintln!("skipped: qemu-x86_64 is missing; install qemu-user");
-        return;
+        return common::missing("qemu", "lower processors are not emulated; install qemu-user");
     }
     let expected = digest();
     for (processor, set) in PROCESSORS {
@@ -82,7 +78,6 @@ fn lower_processors_build_and_hit_the_same() {
             .arg(std::env::current_exe().unwrap())
             .args(["lower_processors_build_and_hit_the_same", "--exact", "--nocapture"])
             .env(INSIDE, "1")
-            .env_remove("SLIMKD_ARCH")
             .output()
             .unwrap();
         let said = String::from_utf8_lossy(&output.stdout);

@@ -6,7 +6,7 @@ use serde_json::Value;
 const REPORT: &str = "schema scene.triangles scene.vertices scene.degenerate preset threads sah.traversal \
     sah.intersection sah.empty_bonus nodes.inner nodes.t_inner nodes.leaf nodes.empty_leaf references.leaf_4byte \
     references.leaf_2byte references.leaf_other references.t bytes.nodes bytes.t_references bytes.indices \
-    bytes.id_map bytes.triangle_copies bytes.other bytes.tree bytes.mesh bytes.resident bytes.build_peak \
+    bytes.id_map bytes.triangle_copies bytes.other bytes.tree bytes.mesh bytes.geometry bytes.resident bytes.build_peak \
     tree_bytes_per_triangle max_depth sah_cost seconds.load seconds.build";
 
 fn presets() -> Vec<&'static str> {

@@ -141,3 +141,35 @@ fn a_gpu_finds_what_the_library_finds() {
         2
     );
 }
+
+/// A tree that is cut short while it is traced ends the command with its one line. The rays come through a pipe, so that the file is cut
+/// after it was mapped and before a ray is traced.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_mapped_tree_that_is_cut_short_is_one_line() {
+    use std::fs::{File, OpenOptions};
+    use std::io::Write;
+    let tool = Tool::new();
+    tool.ok("build kitchen --triangles 20000 --quiet -o tree.skd");
+    let pipe = tool.path("rays.f32");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let mut command = tool.command("trace tree.skd --no-verify --rays rays.f32 --out hits.bin");
+    let child =
+        command.stderr(std::process::Stdio::piped()).stdout(std::process::Stdio::piped()).spawn().unwrap();
+    // Opens once the command opens its end.
+    let mut rays: File = OpenOptions::new().write(true).open(&pipe).unwrap();
+    let maps = format!("/proc/{}/maps", child.id());
+    while !std::fs::read_to_string(&maps).unwrap().contains("tree.skd") {
+        std::thread::yield_now();
+    }
+    OpenOptions::new().write(true).open(tool.path("tree.skd")).unwrap().set_len(4096).unwrap();
+    let ray = [0.0f32, 1.0, 0.0, 0.0, 0.3, 0.1, 0.9, f32::INFINITY].map(f32::to_le_bytes).concat();
+    // The command may be gone before it read them all.
+    let _ = rays.write_all(&ray.repeat(100));
+    drop(rays);
+    let output = child.wait_with_output().unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    assert_eq!(stderr.lines().count(), 1, "{stderr}");
+    assert!(stderr.contains("tree.skd: was cut short while it was traced"), "{stderr}");
+}

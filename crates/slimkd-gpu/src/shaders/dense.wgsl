@@ -1,4 +1,4 @@
-// 4-byte nodes and coded leaves at any byte: tree/dense/mod.rs and leaf.rs. Twin: twin/nodes.rs.
+// 4-byte nodes and coded leaves at any byte: layout/dense/mod.rs and leaf.rs. Twin: twin/nodes.rs.
 
 struct Leaf { codes: u32, left: u32, next: u32, run: u32 }
 

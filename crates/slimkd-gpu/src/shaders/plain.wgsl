@@ -1,4 +1,4 @@
-// 8-byte nodes: tree/plain/layout.rs. Twin: twin/nodes.rs.
+// 8-byte nodes: layout/plain/layout.rs. Twin: twin/nodes.rs.
 
 struct Leaf { first: u32, left: u32, upper: u32, narrow: bool, gap: u32 }
 

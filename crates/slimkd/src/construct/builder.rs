@@ -6,13 +6,13 @@ use super::split::Scratch;
 use crate::geometry::Aabb;
 use crate::job::Job;
 use crate::job::memory::with_room;
-use crate::options::BuildError;
+use crate::options::{BuildError, Countable};
 use crate::plan::{Plan, PlanNode};
 use crate::threads;
 use std::sync::Mutex;
 
 /// Fragments that one thread makes at a time: 1 MB, which fits a core's cache.
-pub(super) const CHUNK: usize = 32_768;
+pub(super) const FRAGMENTS_A_PIECE: usize = 32_768;
 
 /// Builds trees over parts of one mesh.
 pub(crate) struct Builder<'a> {
@@ -28,7 +28,7 @@ impl<'a> Builder<'a> {
     pub(crate) fn new(job: &'a Job<'a>, bounds: Aabb, budget: Option<u64>) -> Result<Self, BuildError> {
         let (needed, limit) = (job.mesh.len() as u64, TRIANGLE_LIMIT);
         if needed > limit {
-            return Err(BuildError::TooLarge { what: "triangles", needed, limit });
+            return Err(BuildError::TooLarge { what: Countable::Triangles, needed, limit });
         }
         Ok(Self { job, bounds, budget, scratch: Mutex::new(Vec::new()) })
     }
@@ -68,7 +68,7 @@ impl<'a> Builder<'a> {
 
     /// One fragment a triangle, in pieces.
     fn fragments(&self, triangles: &[u32]) -> Result<Vec<Vec<Fragment>>, BuildError> {
-        threads::map(triangles.chunks(CHUNK), |ids| {
+        threads::map(triangles.chunks(FRAGMENTS_A_PIECE), |ids| {
             self.job.check()?;
             let mut piece = with_room(ids.len())?;
             piece.extend(ids.iter().map(|&id| Fragment::whole(self.job.mesh, id)));

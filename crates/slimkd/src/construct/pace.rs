@@ -12,7 +12,7 @@ const SCAN: f64 = 100.0;
 const LEVEL: f64 = 16.0;
 /// Everything below the top, at each level. By all threads.
 const BELOW: f64 = 110.0;
-/// The same where triangles are clipped exactly in small nodes too.
+/// Everything below the top, at each level, where triangles are clipped exactly in small nodes too.
 const BELOW_CLIPPED: f64 = 145.0;
 /// Joining subtrees to one plan.
 const JOIN: f64 = 40.0;

@@ -39,6 +39,7 @@ use bytes::{Section, le_bytes};
 use sections::Parts;
 use shape::Shape;
 use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use table::{Kind, Table};
 use thiserror::Error;
@@ -97,6 +98,21 @@ pub enum FileError {
     /// The operating system refused: see the source.
     #[error(transparent)]
     Io(#[from] std::io::Error),
+    /// What was wrong with a file, and which file.
+    #[error("{}: {source}", path.display())]
+    At {
+        /// The file that was to be read or written.
+        path: PathBuf,
+        /// What was wrong.
+        source: Box<FileError>,
+    },
+}
+
+impl FileError {
+    /// This error with the file that it is about.
+    fn at(self, path: &Path) -> Self {
+        Self::At { path: path.to_owned(), source: Box::new(self) }
+    }
 }
 
 impl From<Damage> for FileError {
@@ -120,8 +136,8 @@ impl KdTree {
     ///
     /// # Errors
     /// [`FileError::Io`].
-    pub fn write(&self, to: &mut impl Write) -> Result<(), FileError> {
-        self.write_sections(to, true)
+    pub fn write(&self, mut to: impl Write) -> Result<(), FileError> {
+        self.write_sections(&mut to, true)
     }
 
     /// Writes the tree alone, with the [hash](TriangleMesh::content_hash) of the mesh that
@@ -129,8 +145,8 @@ impl KdTree {
     ///
     /// # Errors
     /// [`FileError::Io`].
-    pub fn write_without_mesh(&self, to: &mut impl Write) -> Result<(), FileError> {
-        self.write_sections(to, false)
+    pub fn write_without_mesh(&self, mut to: impl Write) -> Result<(), FileError> {
+        self.write_sections(&mut to, false)
     }
 
     fn write_sections(&self, to: &mut impl Write, with_mesh: bool) -> Result<(), FileError> {
@@ -156,14 +172,14 @@ impl KdTree {
     /// let tree = KdTree::build(mesh, &BuildOptions::default())?;
     /// let mut bytes = Vec::new();
     /// tree.write(&mut bytes)?;
-    /// assert_eq!(KdTree::read(&mut &bytes[..])?.memory(), tree.memory());
+    /// assert_eq!(KdTree::read(&bytes[..])?.memory(), tree.memory());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
     /// Any [`FileError`] but [`FileError::MeshMismatch`].
-    pub fn read(from: &mut impl Read) -> Result<Self, FileError> {
-        read(from, None)
+    pub fn read(mut from: impl Read) -> Result<Self, FileError> {
+        read(&mut from, None)
     }
 
     /// Reads and proves a tree over a mesh that is already there, whether or not the file holds it too.
@@ -176,19 +192,19 @@ impl KdTree {
     /// let tree = KdTree::build(Arc::clone(&mesh), &BuildOptions::default())?;
     /// let mut bytes = Vec::new();
     /// tree.write_without_mesh(&mut bytes)?;
-    /// assert!(KdTree::read(&mut &bytes[..]).is_err());
-    /// assert!(KdTree::read_with_mesh(&mut &bytes[..], mesh).is_ok());
-    /// assert!(KdTree::read_with_mesh(&mut &bytes[..], TriangleMesh::default()).is_err());
+    /// assert!(KdTree::read(&bytes[..]).is_err());
+    /// assert!(KdTree::read_with_mesh(&bytes[..], mesh).is_ok());
+    /// assert!(KdTree::read_with_mesh(&bytes[..], TriangleMesh::default()).is_err());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
     /// Any [`FileError`] but [`FileError::MeshMissing`].
     pub fn read_with_mesh(
-        from: &mut impl Read,
+        mut from: impl Read,
         mesh: impl Into<Arc<TriangleMesh>>,
     ) -> Result<Self, FileError> {
-        read(from, Some(mesh.into()))
+        read(&mut from, Some(mesh.into()))
     }
 }
 

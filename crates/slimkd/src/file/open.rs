@@ -132,16 +132,16 @@ impl<B: AsRef<[u8]>> OpenTree<B> {
     /// Proves everything, as [`KdTree::read`] does, and copies it into memory of its own.
     ///
     /// # Errors
-    /// As [`KdTree::read`].
+    /// Those of [`KdTree::read`].
     pub fn verify(&self) -> Result<KdTree, FileError> {
-        KdTree::read(&mut self.bytes.as_ref())
+        KdTree::read(self.bytes.as_ref())
     }
 
     /// Proves what [`OpenTree::verify`] proves, and that no triangle is missing anywhere ([`KdTree::check_complete`]): then the
     /// answers are right even if the file was forged.
     ///
     /// # Errors
-    /// As [`KdTree::read`], and [`FileError::Incomplete`].
+    /// Those of [`KdTree::read`], and [`FileError::Incomplete`].
     pub fn verify_complete(&self, progress: &Progress) -> Result<KdTree, FileError> {
         let tree = self.verify()?;
         tree.check_complete(progress)?;

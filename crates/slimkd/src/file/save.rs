@@ -15,37 +15,45 @@ impl KdTree {
     /// Saves the tree and its mesh. Whatever happens meanwhile, `path` holds the old file or the new one.
     ///
     /// # Errors
-    /// [`FileError::Io`]: the old file is as it was.
+    /// [`FileError::At`] with the path: the old file is as it was.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), FileError> {
-        replace(path.as_ref(), |file| self.write(file))
+        let path = path.as_ref();
+        replace(path, |file| self.write(file)).map_err(|error| error.at(path))
     }
 
     /// [`KdTree::save`] without the mesh.
     ///
     /// # Errors
-    /// [`FileError::Io`]: the old file is as it was.
+    /// [`FileError::At`] with the path: the old file is as it was.
     pub fn save_without_mesh(&self, path: impl AsRef<Path>) -> Result<(), FileError> {
-        replace(path.as_ref(), |file| self.write_without_mesh(file))
+        let path = path.as_ref();
+        replace(path, |file| self.write_without_mesh(file)).map_err(|error| error.at(path))
     }
 
-    /// [`KdTree::read`] from a file.
+    /// Reads and proves a saved tree.
     ///
     /// # Errors
-    /// As [`KdTree::read`].
+    /// [`FileError::At`] with the path, around an error of [`KdTree::read`].
     pub fn load(path: impl AsRef<Path>) -> Result<Self, FileError> {
-        Self::read(&mut BufReader::with_capacity(BUFFER, File::open(path)?))
+        let path = path.as_ref();
+        open(path).and_then(Self::read).map_err(|error| error.at(path))
     }
 
-    /// [`KdTree::read_with_mesh`] from a file.
+    /// Reads and proves a saved tree over a mesh that is already there.
     ///
     /// # Errors
-    /// As [`KdTree::read_with_mesh`].
+    /// [`FileError::At`] with the path, around an error of [`KdTree::read_with_mesh`].
     pub fn load_with_mesh(
         path: impl AsRef<Path>,
         mesh: impl Into<Arc<TriangleMesh>>,
     ) -> Result<Self, FileError> {
-        Self::read_with_mesh(&mut BufReader::with_capacity(BUFFER, File::open(path)?), mesh)
+        let path = path.as_ref();
+        open(path).and_then(|file| Self::read_with_mesh(file, mesh)).map_err(|error| error.at(path))
     }
+}
+
+fn open(path: &Path) -> Result<BufReader<File>, FileError> {
+    Ok(BufReader::with_capacity(BUFFER, File::open(path)?))
 }
 
 /// A file that is removed unless it was renamed.

@@ -22,7 +22,7 @@ pub(crate) struct Shear {
     /// Direction's x/z and y/z.
     pub(crate) slope: [f32; 2],
     /// The direction's z component, user units.
-    pub(crate) depth: f64,
+    pub(crate) along: f64,
 }
 
 /// A triangle in the ray's frame.
@@ -54,7 +54,7 @@ impl Shear {
         };
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
         let slope = [direction[x] / direction[z], direction[y] / direction[z]];
-        Self { origin, axes: [x, y, z], slope, depth: f64::from(direction[z]) }
+        Self { origin, axes: [x, y, z], slope, along: f64::from(direction[z]) }
     }
 
     /// The whole test for one triangle. `Z` must be `axes[2]`: as a constant it turns permuted loads into plain ones.
@@ -62,10 +62,11 @@ impl Shear {
     pub(crate) fn intersect<const Z: usize>(&self, corners: &[[f32; 3]; 3]) -> Option<Intersection> {
         debug_assert_eq!(Z, self.axes[2]);
         let sheared = self.apply::<Z>(corners);
-        if sheared.certainly_missed() { None } else { sheared.finish(self.depth) }
+        if sheared.certainly_missed() { None } else { sheared.finish(self.along) }
     }
 
-    /// As [`Shear::intersect`], to the last bit, with the three corners side by side in a vector: 4 to 7 % more rays a second.
+    /// [`Shear::intersect`] with the three corners side by side in a vector. The answer is the same to the last bit; single rays are
+    /// 4 to 7 % faster.
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     pub(crate) fn intersect_by_lanes<const Z: usize>(&self, corners: &[[f32; 3]; 3]) -> Option<Intersection> {
@@ -94,11 +95,11 @@ impl Shear {
                 _mm_storeu_ps(to.as_mut_ptr(), v);
                 [to[0], to[1], to[2]]
             };
-            Sheared { x: lanes(x), y: lanes(y), z: lanes(z) }.finish(self.depth)
+            Sheared { x: lanes(x), y: lanes(y), z: lanes(z) }.finish(self.along)
         }
     }
 
-    /// As [`Shear::intersect`].
+    /// [`Shear::intersect`]: this processor has no faster way here.
     #[cfg(not(target_arch = "x86_64"))]
     #[inline(always)]
     pub(crate) fn intersect_by_lanes<const Z: usize>(&self, corners: &[[f32; 3]; 3]) -> Option<Intersection> {
@@ -133,7 +134,7 @@ impl Sheared {
 
     /// Decides in f64 and finds t, u, v.
     #[inline(always)]
-    pub(crate) fn finish(&self, depth: f64) -> Option<Intersection> {
+    pub(crate) fn finish(&self, along: f64) -> Option<Intersection> {
         let ([ax, bx, cx], [ay, by, cy]) = (self.x.map(f64::from), self.y.map(f64::from));
         let u = cx * by - cy * bx;
         let v = ax * cy - ay * cx;
@@ -147,9 +148,9 @@ impl Sheared {
         }
         let [az, bz, cz] = self.z.map(f64::from);
         // One division: three cost packets and streams a sixth of their f64 work.
-        let per_depth = 1.0 / (det * depth);
-        let t = ((u * az + v * bz + w * cz) * per_depth) as f32;
-        let per_det = depth * per_depth;
+        let per_along = 1.0 / (det * along);
+        let t = ((u * az + v * bz + w * cz) * per_along) as f32;
+        let per_det = along * per_along;
         (!t.is_nan()).then_some(Intersection { t, u: (v * per_det) as f32, v: (w * per_det) as f32 })
     }
 }

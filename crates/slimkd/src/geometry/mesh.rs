@@ -1,16 +1,18 @@
 //! The indexed triangle mesh: 12 bytes a vertex and 12 bytes a triangle, nothing else.
 
+use super::buffer::Buffer;
 use super::{Aabb, is_degenerate};
 use crate::threads;
 use std::fmt;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Vertices and triangles, in the order of the input. A triangle's position in [`TriangleMesh::triangles`] is its
 /// public id. Not finite positions and collinear triangles are allowed: such triangles never hit.
-#[derive(Clone, Default, PartialEq)]
+#[derive(Clone)]
 pub struct TriangleMesh {
-    vertices: Vec<[f32; 3]>,
-    triangles: Vec<[u32; 3]>,
+    vertices: Buffer<[f32; 3]>,
+    triangles: Buffer<[u32; 3]>,
 }
 
 /// Why a mesh was refused.
@@ -35,7 +37,7 @@ pub enum MeshError {
 }
 
 impl TriangleMesh {
-    /// Takes the buffers and checks every index.
+    /// Takes the arrays and checks every index. Cloning a mesh later copies nothing: clones share the arrays.
     ///
     /// ```
     /// use slimkd::TriangleMesh;
@@ -44,6 +46,61 @@ impl TriangleMesh {
     /// # Ok::<(), slimkd::MeshError>(())
     /// ```
     pub fn new(vertices: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
+        Self::check(&vertices, &triangles)?;
+        Ok(Self { vertices: vertices.into(), triangles: triangles.into() })
+    }
+
+    /// Collects vertices of any kind: glam's and nalgebra's points, mint's, tuples of your own. This copies; a `Vec` of arrays goes to
+    /// [`TriangleMesh::new`] without.
+    ///
+    /// ```
+    /// use slimkd::TriangleMesh;
+    /// struct Point(f32, f32, f32);
+    /// impl From<Point> for [f32; 3] {
+    ///     fn from(Point(x, y, z): Point) -> Self {
+    ///         [x, y, z]
+    ///     }
+    /// }
+    /// let corners = [Point(0.0, 0.0, 0.0), Point(1.0, 0.0, 0.0), Point(0.0, 1.0, 0.0)];
+    /// assert_eq!(TriangleMesh::collect(corners, [[0, 1, 2]])?.len(), 1);
+    /// # Ok::<(), slimkd::MeshError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`TriangleMesh::new`].
+    pub fn collect(
+        vertices: impl IntoIterator<Item = impl Into<[f32; 3]>>,
+        triangles: impl IntoIterator<Item = impl Into<[u32; 3]>>,
+    ) -> Result<Self, MeshError> {
+        let vertices = vertices.into_iter().map(Into::into).collect();
+        Self::new(vertices, triangles.into_iter().map(Into::into).collect())
+    }
+
+    /// A mesh over memory that somebody else owns: arrays of another language, a mapped file, buffers that other code reads too. Nothing
+    /// is copied; the owners are kept until the mesh and every tree over it are gone.
+    ///
+    /// ```
+    /// use slimkd::TriangleMesh;
+    /// use std::sync::Arc;
+    /// let vertices: Arc<Vec<[f32; 3]>> = Arc::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    /// let mesh = TriangleMesh::from_shared(vertices.clone(), Arc::new([[0, 1, 2]]))?;
+    /// assert_eq!(mesh.vertices().as_ptr(), vertices.as_ptr());
+    /// # Ok::<(), slimkd::MeshError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`TriangleMesh::new`].
+    pub fn from_shared(
+        vertices: Arc<dyn AsRef<[[f32; 3]]> + Send + Sync>,
+        triangles: Arc<dyn AsRef<[[u32; 3]]> + Send + Sync>,
+    ) -> Result<Self, MeshError> {
+        let mesh = Self { vertices: Buffer::new(vertices), triangles: Buffer::new(triangles) };
+        Self::check(mesh.vertices(), mesh.triangles())?;
+        Ok(mesh)
+    }
+
+    /// Whether every index names a vertex.
+    fn check(vertices: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<(), MeshError> {
         for count in [vertices.len(), triangles.len()] {
             if count >= u32::MAX as usize {
                 return Err(MeshError::TooLarge(count));
@@ -55,27 +112,27 @@ impl TriangleMesh {
                 return Err(MeshError::IndexOutOfRange { triangle, vertex, vertices: vertices.len() });
             }
         }
-        Ok(Self { vertices, triangles })
+        Ok(())
     }
 
     /// Positions, scene units.
     pub fn vertices(&self) -> &[[f32; 3]] {
-        &self.vertices
+        self.vertices.as_slice()
     }
 
     /// Vertex indices of each triangle; the position in this slice is the public id.
     pub fn triangles(&self) -> &[[u32; 3]] {
-        &self.triangles
+        self.triangles.as_slice()
     }
 
     /// Number of triangles, degenerate ones included.
     pub fn len(&self) -> usize {
-        self.triangles.len()
+        self.triangles().len()
     }
 
     /// True when there is no triangle at all.
     pub fn is_empty(&self) -> bool {
-        self.triangles.is_empty()
+        self.triangles().is_empty()
     }
 
     /// The three corners of triangle `id`.
@@ -84,7 +141,7 @@ impl TriangleMesh {
     /// When `id` is not below [`TriangleMesh::len`].
     #[inline]
     pub fn corners(&self, id: u32) -> [[f32; 3]; 3] {
-        self.triangles[id as usize].map(|v| self.vertices[v as usize])
+        self.triangles()[id as usize].map(|v| self.vertices()[v as usize])
     }
 
     /// Ids of the triangles that can be hit, ascending, and their bounds. The others are collinear or not finite.
@@ -92,7 +149,7 @@ impl TriangleMesh {
         self.valid_triangles_until(|| false).expect("memory for the ids")
     }
 
-    /// The same; `None` once `stop` says so, or where there is no memory for the ids.
+    /// [`TriangleMesh::valid_triangles`], but `None` once `stop` says so, or where there is no memory for the ids.
     pub(crate) fn valid_triangles_until(&self, stop: impl Fn() -> bool + Sync) -> Option<(Vec<u32>, Aabb)> {
         let mut keep: Vec<u32> = Vec::new();
         keep.try_reserve_exact(self.len()).ok()?;
@@ -127,12 +184,25 @@ impl TriangleMesh {
 
     /// Bytes of the two buffers: 12 a vertex, 12 a triangle.
     pub fn memory_bytes(&self) -> u64 {
-        12 * (self.vertices.len() as u64 + self.triangles.len() as u64)
+        12 * (self.vertices().len() as u64 + self.triangles().len() as u64)
+    }
+}
+
+impl Default for TriangleMesh {
+    /// A mesh without vertices and triangles.
+    fn default() -> Self {
+        Self { vertices: Vec::new().into(), triangles: Vec::new().into() }
+    }
+}
+
+impl PartialEq for TriangleMesh {
+    fn eq(&self, other: &Self) -> bool {
+        self.vertices() == other.vertices() && self.triangles() == other.triangles()
     }
 }
 
 impl fmt::Debug for TriangleMesh {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "TriangleMesh({} vertices, {} triangles)", self.vertices.len(), self.triangles.len())
+        write!(f, "TriangleMesh({} vertices, {} triangles)", self.vertices().len(), self.triangles().len())
     }
 }

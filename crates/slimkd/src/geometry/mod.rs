@@ -1,6 +1,7 @@
 //! Points, rays, boxes, triangles and the indexed mesh that a tree is built over.
 
 mod aabb;
+mod buffer;
 mod clip;
 mod closest_point;
 mod hit;

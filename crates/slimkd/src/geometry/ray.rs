@@ -11,6 +11,7 @@
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ray {
     /// Where the ray starts, scene units.
     pub origin: [f32; 3],
@@ -28,7 +29,7 @@ impl Ray {
         Self { origin: origin.into(), direction: direction.into(), t_min: 0.0, t_max: f32::INFINITY }
     }
 
-    /// The same ray over `[t_min, t_max]`.
+    /// This ray with another range: hits count where `t_min ≤ t ≤ t_max`.
     #[must_use]
     pub fn with_range(mut self, t_min: f32, t_max: f32) -> Self {
         self.t_min = t_min;

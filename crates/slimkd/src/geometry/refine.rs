@@ -9,6 +9,7 @@ use std::ops::{Add, Mul, Sub};
 /// A hit in f64, as [`Tracer::refine`](crate::Tracer::refine) computes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RefinedHit {
     /// Distance along the ray in units of its direction.
     pub t: f64,

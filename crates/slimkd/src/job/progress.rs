@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 /// 1.0 in fixed point: fine enough that a million additions do not round visibly.
 const ONE: f64 = (1u64 << 50) as f64;
 /// Indices between two looks of loops over a whole tree: some 20 µs of them.
-const STRIDE: usize = 1 << 12;
+const INDICES_A_LOOK: usize = 1 << 12;
 
 /// Shared between a running build and whoever watches it.
 ///
@@ -58,14 +58,14 @@ impl Progress {
         self.begin_loops(share, 0);
     }
 
-    /// The same for a phase whose loops call [`Progress::check_at`] with about so many indices in all.
+    /// [`Progress::begin`] of a phase whose loops call [`Progress::check_at`] with about so many indices in all.
     pub(crate) fn begin_loops(&self, share: f64, indices: usize) {
         let start = self.end.load(Relaxed);
         self.done.fetch_max(start, Relaxed);
         // Only a tree that is there is all.
         let end = (start + units(share)).min(ONE as u64 - 1);
         self.end.store(end, Relaxed);
-        let steps = indices as f64 / STRIDE as f64;
+        let steps = indices as f64 / INDICES_A_LOOK as f64;
         self.step.store(if indices == 0 { 0 } else { units(share / steps.max(1.0)) }, Relaxed);
     }
 
@@ -89,7 +89,7 @@ impl Progress {
     /// [`Progress::check`] now and then: for loops over a whole tree, which call it with their index.
     #[inline]
     pub(crate) fn check_at(&self, index: usize) -> Result<(), BuildError> {
-        if !index.is_multiple_of(STRIDE) {
+        if !index.is_multiple_of(INDICES_A_LOOK) {
             return Ok(());
         }
         if index > 0 {

@@ -3,7 +3,7 @@
 //! Inner nodes are read in vector operations, the same bits as [`Nodes`] reads; so each layout decodes them twice, side by
 //! side, and the kernels' tests compare both. Leaves differ too much in length: in lanes they took a quarter of a ray.
 
-use super::nodes::{Address, Nodes, PIECE, SPILL};
+use super::nodes::{Address, MOST_IDS, Nodes, SPILL};
 use crate::simd::Simd;
 
 /// The nodes at each lane's address. Each field is meaningful only in the lanes that its own doc names; other lanes hold anything.
@@ -57,12 +57,12 @@ pub(crate) unsafe trait LaneNodes: Nodes {
     /// Whether all of a leaf's ids are taken.
     fn is_taken(leaf: &Self::Leaf) -> bool;
 
-    /// Takes the next ids off a leaf, ascending, at most [`PIECE`], and returns how many. What follows them in `to` may be overwritten
+    /// Takes the next ids off a leaf, ascending, at most [`MOST_IDS`], and returns how many. What follows them in `to` may be overwritten
     /// with anything.
     ///
     /// # Safety
     /// The leaf must come from this tree.
-    unsafe fn write(self, leaf: &mut Self::Leaf, to: &mut [u32; PIECE + SPILL]) -> usize;
+    unsafe fn write(self, leaf: &mut Self::Leaf, to: &mut [u32; MOST_IDS + SPILL]) -> usize;
 
     /// x, y, z of three corners of a triangle a lane.
     ///

@@ -21,7 +21,7 @@ mod view;
 pub use encoded::EncodedTree;
 pub(crate) use encoded::{Encoded, encode, size};
 pub(crate) use lanes::{LaneNodes, LaneStep};
-pub(crate) use nodes::{Address, Ids, Inner, LeafMode, Nodes, PIECE, SPILL, Step};
+pub(crate) use nodes::{Address, Ids, Inner, LeafMode, MOST_IDS, Nodes, SPILL, Step};
 pub(crate) use planes::Planes;
 pub(crate) use view::{View, with_nodes};
 

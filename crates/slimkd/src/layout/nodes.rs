@@ -144,17 +144,17 @@ pub(crate) unsafe trait Nodes: Copy {
 }
 
 /// Ids that are taken off a leaf at once, at most; nearly every leaf is one piece.
-pub(crate) const PIECE: usize = 64;
+pub(crate) const MOST_IDS: usize = 64;
 /// Ids that a layout may write behind a piece.
 pub(crate) const SPILL: usize = 8;
 
 /// Room for a piece. Costs nothing to make.
-pub(crate) struct Ids(pub(super) [MaybeUninit<u32>; PIECE + SPILL]);
+pub(crate) struct Ids(pub(super) [MaybeUninit<u32>; MOST_IDS + SPILL]);
 
 impl Ids {
     #[inline(always)]
     pub(crate) fn new() -> Self {
-        Self([MaybeUninit::uninit(); PIECE + SPILL])
+        Self([MaybeUninit::uninit(); MOST_IDS + SPILL])
     }
 
     /// The first `count`.

@@ -1,5 +1,6 @@
 //! Why a build ends without a tree.
 
+use std::fmt;
 use thiserror::Error;
 
 /// Why a build ended without a tree.
@@ -59,10 +60,41 @@ pub enum BuildError {
     )]
     TooLarge {
         /// What there is too much of.
-        what: &'static str,
+        what: Countable,
         /// How many the tree needs.
         needed: u64,
         /// How many fit.
         limit: u64,
     },
+}
+
+/// What a layout counts, in fields that have an end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Countable {
+    /// Triangles of the mesh.
+    Triangles,
+    /// Triangles of one leaf.
+    TrianglesOfALeaf,
+    /// Nodes, T-references included.
+    Nodes,
+    /// References of 4 bytes.
+    FourByteReferences,
+    /// References of 2 bytes.
+    TwoByteReferences,
+    /// Bytes of the whole tree.
+    Bytes,
+}
+
+impl fmt::Display for Countable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Triangles => "triangles",
+            Self::TrianglesOfALeaf => "triangles in a leaf",
+            Self::Nodes => "nodes",
+            Self::FourByteReferences => "4-byte references",
+            Self::TwoByteReferences => "2-byte references",
+            Self::Bytes => "bytes",
+        })
+    }
 }

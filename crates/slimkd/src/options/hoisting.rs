@@ -11,6 +11,7 @@
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Hoisting {
     /// A triangle must have a larger occupancy measure than this, 0 to 1.
     pub occupancy: f32,
@@ -33,9 +34,10 @@ impl Hoisting {
 }
 
 /// How the tree under a node changes once a triangle was picked there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[repr(u8)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum HoistAlgorithm {
     /// One pass over the finished tree: the triangle is taken out of the leaves, and nodes that the leaf rule ends now
     /// become leaves. Our answer to the paper's "future work".

@@ -5,7 +5,7 @@ mod hoisting;
 mod names;
 mod preset;
 
-pub use error::BuildError;
+pub use error::{BuildError, Countable};
 pub use hoisting::{HoistAlgorithm, Hoisting};
 pub use names::UnknownName;
 pub use preset::Preset;
@@ -14,6 +14,8 @@ use std::num::NonZeroUsize;
 
 /// Costs of the surface area heuristic, in arbitrary common units.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct SahConstants {
     /// Cost of one traversal step, K_T.
     pub traversal: f32,
@@ -23,8 +25,16 @@ pub struct SahConstants {
     pub empty_bonus: f32,
 }
 
+impl SahConstants {
+    /// Costs of a traversal step and of a triangle test, and the factor on splits with an empty side.
+    pub fn new(traversal: f32, intersection: f32, empty_bonus: f32) -> Self {
+        Self { traversal, intersection, empty_bonus }
+    }
+}
+
 /// How a triangle that straddles a split plane is bounded in the children.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Clipping {
     /// By what each child's voxel really holds of it ("perfect splits", Wald & Havran 2006).
@@ -47,7 +57,8 @@ impl Clipping {
 }
 
 /// How nodes and leaves are written. Hits are the same in all of them, to the last bit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 #[repr(u8)]
 pub enum Layout {
@@ -68,6 +79,7 @@ pub enum Layout {
 /// options.max_tree = Some(TreeBudget::Bytes(64 << 20));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum TreeBudget {
     /// For the whole tree.
@@ -86,8 +98,15 @@ impl TreeBudget {
     }
 }
 
-/// All knobs of a build. Start from a [`Preset`].
+/// All knobs of a build. Start from a [`Preset`], then set what is to be otherwise.
+///
+/// ```
+/// use slimkd::{BuildOptions, Preset, TreeBudget};
+/// let options = BuildOptions::from(Preset::Slim).with_threads(2).with_max_tree(TreeBudget::BytesPerTriangle(6.0));
+/// assert_eq!(options.threads.unwrap().get(), 2);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct BuildOptions {
     /// The preset that these options started from; a label, it changes nothing.
@@ -121,6 +140,72 @@ pub struct BuildOptions {
 impl Default for BuildOptions {
     fn default() -> Self {
         Preset::default().into()
+    }
+}
+
+/// Setters, one for each field; each returns the options with that field changed.
+impl BuildOptions {
+    /// Sets [`BuildOptions::sah`].
+    #[must_use]
+    pub fn with_sah(mut self, sah: SahConstants) -> Self {
+        self.sah = sah;
+        self
+    }
+
+    /// Sets [`BuildOptions::leaf_at_most`].
+    #[must_use]
+    pub fn with_leaf_at_most(mut self, triangles: u32) -> Self {
+        self.leaf_at_most = triangles;
+        self
+    }
+
+    /// Sets [`BuildOptions::clipping`].
+    #[must_use]
+    pub fn with_clipping(mut self, clipping: Clipping) -> Self {
+        self.clipping = clipping;
+        self
+    }
+
+    /// Sets [`BuildOptions::layout`].
+    #[must_use]
+    pub fn with_layout(mut self, layout: Layout) -> Self {
+        self.layout = layout;
+        self
+    }
+
+    /// Sets [`BuildOptions::hoisting`].
+    #[must_use]
+    pub fn with_hoisting(mut self, hoisting: impl Into<Option<Hoisting>>) -> Self {
+        self.hoisting = hoisting.into();
+        self
+    }
+
+    /// Sets [`BuildOptions::byte_weight`], and [`BuildOptions::collapse`], without which it has no effect.
+    #[must_use]
+    pub fn with_byte_weight(mut self, weight: f32) -> Self {
+        (self.collapse, self.byte_weight) = (true, weight);
+        self
+    }
+
+    /// Sets [`BuildOptions::max_tree`]; `None` takes the preset's bound away.
+    #[must_use]
+    pub fn with_max_tree(mut self, most: impl Into<Option<TreeBudget>>) -> Self {
+        self.max_tree = most.into();
+        self
+    }
+
+    /// Sets [`BuildOptions::max_build_bytes`].
+    #[must_use]
+    pub fn with_max_build_bytes(mut self, bytes: impl Into<Option<u64>>) -> Self {
+        self.max_build_bytes = bytes.into();
+        self
+    }
+
+    /// Sets [`BuildOptions::threads`]; 0 uses the current rayon pool.
+    #[must_use]
+    pub fn with_threads(mut self, count: usize) -> Self {
+        self.threads = NonZeroUsize::new(count);
+        self
     }
 }
 

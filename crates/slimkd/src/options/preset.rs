@@ -8,6 +8,7 @@ use std::str::FromStr;
 /// A named set of [`BuildOptions`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Preset {
     /// Wald & Havran 2006 as in the paper: no T-reference, no collapse, 4-byte leaves only, file order.
     Standard,

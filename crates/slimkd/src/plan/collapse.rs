@@ -105,7 +105,7 @@ pub(crate) fn collapse_subtree(
 pub(crate) struct Totals {
     /// SAH cost times the voxel's area relative to the root's.
     pub(crate) cost: f64,
-    /// As the layout spends them.
+    /// Bytes of nodes and references, estimated by [`UnitBytes`].
     pub(crate) bytes: f64,
 }
 

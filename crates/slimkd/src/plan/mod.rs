@@ -26,7 +26,7 @@ pub(crate) enum PlanNode {
 }
 
 impl PlanNode {
-    /// The same node behind so many other nodes and references.
+    /// This node as it reads once so many other nodes and references stand before its subtree.
     pub(crate) fn shifted(self, nodes: u32, references: u32) -> Self {
         match self {
             Self::Inner { axis, split, right } => Self::Inner { axis, split, right: right + nodes },

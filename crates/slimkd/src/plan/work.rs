@@ -95,7 +95,7 @@ impl Work {
         self.joined(Vec::new(), job)
     }
 
-    /// The same, with subtrees that were reduced on their own, ascending.
+    /// [`Work::into_plan`] with `parts` in place of subtrees that were reduced on their own, ascending by their roots.
     pub(crate) fn joined(self, parts: Vec<Part>, job: &Job<'_>) -> Result<Plan, BuildError> {
         let Self { plan, ends, areas } = self;
         drop(areas);

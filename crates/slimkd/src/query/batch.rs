@@ -11,7 +11,7 @@ use std::ops::Range;
 /// Rays that are gathered from columns, or scattered to them, at once: 32 KB of rays.
 const GATHERED: usize = 1024;
 /// Rays that one thread takes at a time, at least and at most; a multiple of the 64 rays that are traced together.
-const PIECE: Range<usize> = 4096..65_536;
+const RAYS_A_PIECE: Range<usize> = 4096..65_536;
 
 /// A question about many rays or points, with options: make it by [`Tracer::batch`], set options, then call a verb.
 ///
@@ -257,7 +257,7 @@ impl<'a> Batch<'a> {
         let threads = if self.threads == 0 { threads::count() } else { self.threads };
         let piece = match threads {
             1 => rays.max(1),
-            _ => (rays / (8 * threads)).clamp(PIECE.start, PIECE.end).next_multiple_of(64),
+            _ => (rays / (8 * threads)).clamp(RAYS_A_PIECE.start, RAYS_A_PIECE.end).next_multiple_of(64),
         };
         (0..rays).step_by(piece).map(move |first| first..rays.min(first + piece))
     }
@@ -304,6 +304,7 @@ impl std::fmt::Debug for Batch<'_> {
 
 /// All hits of a batch's rays, ray after ray.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BatchHits {
     /// Where each ray's hits begin in `hits`, and at the end the number of all hits: one more than there are rays.
     pub splits: Vec<usize>,

@@ -83,7 +83,7 @@ impl<'a> RayColumns<'a> {
         Self { origin, direction, t_min: None, t_max: None }
     }
 
-    /// The same rays, each over its own `[t_min, t_max]`.
+    /// Gives each ray its own `[t_min, t_max]`.
     ///
     /// # Panics
     /// When the slices are not as long as the other columns.

@@ -134,15 +134,6 @@ impl Simd for Avx2 {
         select(mask: Mask, yes: F32, no: F32) -> F32 = F32(_mm256_blendv_ps(no.0, yes.0, mask.0));
         select_u32(mask: Mask, yes: U32, no: U32) -> U32 =
             U32(_mm256_blendv_epi8(no.0, yes.0, _mm256_castps_si256(mask.0)));
-        select_f64(mask: Mask, yes: F64, no: F64) -> F64 = {
-            let mask = _mm256_castps_si256(mask.0);
-            let lower = _mm256_cvtepi32_epi64(_mm256_castsi256_si128(mask));
-            let upper = _mm256_cvtepi32_epi64(_mm256_extracti128_si256::<1>(mask));
-            F64(
-                _mm256_blendv_pd(no.0, yes.0, _mm256_castsi256_pd(lower)),
-                _mm256_blendv_pd(no.1, yes.1, _mm256_castsi256_pd(upper)),
-            )
-        };
 
         cast_u32(x: F32) -> U32 = U32(_mm256_castps_si256(x.0));
         cast_f32(x: U32) -> F32 = F32(_mm256_castsi256_ps(x.0));

@@ -131,10 +131,6 @@ impl Simd for Avx512 {
 
         select(mask: Bits, yes: F32, no: F32) -> F32 = F32(_mm512_mask_blend_ps(mask.0, no.0, yes.0));
         select_u32(mask: Bits, yes: U32, no: U32) -> U32 = U32(_mm512_mask_blend_epi32(mask.0, no.0, yes.0));
-        select_f64(mask: Bits, yes: F64, no: F64) -> F64 = F64(
-            _mm512_mask_blend_pd(mask.0 as u8, no.0, yes.0),
-            _mm512_mask_blend_pd((mask.0 >> 8) as u8, no.1, yes.1),
-        );
 
         cast_u32(x: F32) -> U32 = U32(_mm512_castps_si512(x.0));
         cast_f32(x: U32) -> F32 = F32(_mm512_castsi512_ps(x.0));
@@ -328,7 +324,7 @@ unsafe fn rows(base: *const u8, scale: usize, at: &[u32]) -> [U32; 4] {
 /// Four times sixteen bytes: of `lane` and every fourth one after it.
 ///
 /// # Safety
-/// As [`rows`]; `lane` below 4.
+/// [`rows`] of one lane; `lane` must be below 4.
 #[inline(always)]
 unsafe fn quarters(base: *const u8, scale: usize, at: &[u32], lane: usize) -> __m512i {
     // SAFETY: the caller's promise.

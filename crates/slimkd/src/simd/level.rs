@@ -7,14 +7,10 @@ use super::{Neon, Twice};
 use super::{Scalar, Simd};
 use std::sync::OnceLock;
 
-/// Environment variable that lowers the level of the whole process.
-const VARIABLE: &str = "SLIMKD_ARCH";
-
 /// What a batch is traced with. All give the same hits, to the last bit.
 ///
-/// The best that the processor has is found once a process. The environment variable `SLIMKD_ARCH` (`avx512`, `avx2`,
-/// `sse2`, `neon`, `scalar`) or [`KdTree::set_instruction_set`](crate::KdTree::set_instruction_set) choose another. What the processor
-/// lacks falls to the best that it has below; an unknown name counts as unset.
+/// The best that the processor has is found once a process; [`Batch::instruction_set`](crate::Batch::instruction_set) chooses another.
+/// What the processor lacks falls to the best that it has below.
 ///
 /// ```
 /// use slimkd::InstructionSet;
@@ -24,6 +20,7 @@ const VARIABLE: &str = "SLIMKD_ARCH";
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum InstructionSet {
     /// Plain Rust, for every processor.
     Scalar,
@@ -41,7 +38,7 @@ impl InstructionSet {
     /// All of them, ascending.
     pub const ALL: &[Self] = &[Self::Scalar, Self::Sse2, Self::Neon, Self::Avx2, Self::Avx512];
 
-    /// The name that `SLIMKD_ARCH` knows.
+    /// The name on command lines.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Scalar => "scalar",
@@ -75,13 +72,10 @@ impl InstructionSet {
         Self::ALL.iter().rev().find(usable).copied().unwrap_or(Self::Scalar)
     }
 
-    /// The best that the processor has, or what `SLIMKD_ARCH` asked for when this was first called.
+    /// The best that the processor has.
     pub fn best() -> Self {
         static BEST: OnceLock<InstructionSet> = OnceLock::new();
-        *BEST.get_or_init(|| {
-            let asked = std::env::var(VARIABLE).ok().and_then(|name| name.parse().ok());
-            asked.unwrap_or(Self::Avx512).or_below()
-        })
+        *BEST.get_or_init(|| Self::Avx512.or_below())
     }
 
     /// Runs a kernel with 16 lanes of it.
@@ -92,7 +86,7 @@ impl InstructionSet {
             // SAFETY: `or_below` returns only what `is_available` found.
             Self::Avx512 => unsafe { run_avx512(kernel) },
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: as above.
+            // SAFETY: `or_below` returns only what `is_available` found.
             Self::Avx2 => unsafe { run_avx2(kernel) },
             #[cfg(target_arch = "x86_64")]
             // SAFETY: SSE2 is part of x86-64.
@@ -109,6 +103,12 @@ impl InstructionSet {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0:?} is no instruction set; use avx512, avx2, sse2, neon or scalar")]
 pub struct UnknownInstructionSet(String);
+
+impl std::fmt::Display for InstructionSet {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
 
 impl std::str::FromStr for InstructionSet {
     type Err = UnknownInstructionSet;

@@ -11,8 +11,6 @@
 //!    arrays, is the oracle.
 //! 4. Kernels see 16 lanes at every level: AVX2 is [`Twice`] 8 of them, SSE2 and NEON twice twice 4.
 
-#![allow(dead_code, unused_imports)] // each kernel uses its own part
-
 mod level;
 mod scalar;
 #[cfg(test)]
@@ -72,22 +70,22 @@ pub(crate) trait Simd: Copy + Send + Sync + 'static {
     /// Yes or no a lane.
     type M: Copy + BitAnd<Output = Self::M> + BitOr<Output = Self::M> + Not<Output = Self::M>;
 
-    /// The same f32 in every lane.
+    /// A vector with this f32 in every lane.
     fn f32s(self, x: f32) -> Self::F;
-    /// The same u32 in every lane.
+    /// A vector with this u32 in every lane.
     fn u32s(self, x: u32) -> Self::U;
-    /// The same f64 in every lane.
+    /// A vector with this f64 in every lane.
     fn f64s(self, x: f64) -> Self::D;
     /// The mask with these bits; higher ones are ignored.
     fn mask(self, bits: u32) -> Self::M;
 
     /// The first lanes of a slice. Panics when it is shorter.
     fn load(self, from: &[f32]) -> Self::F;
-    /// As [`Simd::load`].
+    /// The first lanes of a slice of u32. Panics when it is shorter.
     fn load_u32(self, from: &[u32]) -> Self::U;
-    /// Into the first lanes of a slice. Panics when it is shorter.
+    /// Writes f32 into the first lanes of a slice. Panics when it is shorter.
     fn store(self, x: Self::F, to: &mut [f32]);
-    /// As [`Simd::store`].
+    /// Writes u32 into the first lanes of a slice. Panics when it is shorter.
     fn store_u32(self, x: Self::U, to: &mut [u32]);
 
     /// The first records of a slice as columns: lane `i` of column `k` is `records[i][k]`. Panics when it is shorter.
@@ -129,18 +127,16 @@ pub(crate) trait Simd: Copy + Send + Sync + 'static {
     /// a < b, unsigned.
     fn lt_u32(self, a: Self::U, b: Self::U) -> Self::M;
 
-    /// `yes` where the mask says so, else `no`.
+    /// Lanes of `yes` where the mask is set, and of `no` elsewhere.
     fn select(self, mask: Self::M, yes: Self::F, no: Self::F) -> Self::F;
-    /// As [`Simd::select`].
+    /// Lanes of `yes` where the mask is set, and of `no` elsewhere.
     fn select_u32(self, mask: Self::M, yes: Self::U, no: Self::U) -> Self::U;
-    /// As [`Simd::select`].
-    fn select_f64(self, mask: Self::M, yes: Self::D, no: Self::D) -> Self::D;
 
-    /// The same bits as integers.
+    /// The bits of f32 read as u32.
     fn cast_u32(self, x: Self::F) -> Self::U;
-    /// The same bits as f32.
+    /// The bits of u32 read as f32.
     fn cast_f32(self, x: Self::U) -> Self::F;
-    /// Exactly.
+    /// The same numbers as f64, exactly.
     fn widen(self, x: Self::F) -> Self::D;
     /// Rounded to nearest, as `x as f32`.
     fn narrow(self, x: Self::D) -> Self::F;
@@ -160,7 +156,7 @@ pub(crate) trait Simd: Copy + Send + Sync + 'static {
 
     /// Lane `i` of the result is lane `from[i]` of `x`. Indices must be below the width: other ones give any lane.
     fn permute(self, x: Self::F, from: Self::U) -> Self::F;
-    /// As [`Simd::permute`].
+    /// [`Simd::permute`] of u32.
     fn permute_u32(self, x: Self::U, from: Self::U) -> Self::U;
 
     /// The lanes that the mask names, packed to the front of `to`; returns how many. What follows them in the first
@@ -172,10 +168,10 @@ pub(crate) trait Simd: Copy + Send + Sync + 'static {
     /// # Safety
     /// Every lane's four bytes must be readable and initialised, masked or not, and every index below 2³¹.
     unsafe fn gather<const SCALE: i32>(self, base: *const u8, index: Self::U) -> Self::F;
-    /// As [`Simd::gather`], of u32.
+    /// The u32 at `base + index · SCALE` bytes, each lane its own. Any alignment.
     ///
     /// # Safety
-    /// As [`Simd::gather`].
+    /// Every lane's four bytes must be readable and initialised, masked or not, and every index below 2³¹.
     unsafe fn gather_u32<const SCALE: i32>(self, base: *const u8, index: Self::U) -> Self::U;
     /// The eight bytes at `base + index · SCALE` as their lower and their upper u32, little-endian. Any alignment.
     ///
@@ -197,20 +193,20 @@ pub(crate) trait Simd: Copy + Send + Sync + 'static {
         }
     }
 
-    /// As [`Simd::gather_pairs`], of indices that lie in memory. Panics when there are fewer than lanes.
+    /// [`Simd::gather_pairs`] at indices that lie in memory. Panics when there are fewer indices than lanes.
     ///
     /// # Safety
-    /// As [`Simd::gather_pairs`].
+    /// That of [`Simd::gather_pairs`].
     #[inline(always)]
     unsafe fn load_pairs<const SCALE: i32>(self, base: *const u8, at: &[u32]) -> (Self::U, Self::U) {
         // SAFETY: the caller's promise.
         unsafe { self.gather_pairs::<SCALE>(base, self.load_u32(at)) }
     }
 
-    /// As [`Simd::gather_rows`], of offsets in bytes that lie in memory. Panics when there are fewer than lanes.
+    /// [`Simd::gather_rows`] at offsets in bytes that lie in memory. Panics when there are fewer offsets than lanes.
     ///
     /// # Safety
-    /// As [`Simd::gather_rows`].
+    /// That of [`Simd::gather_rows`].
     #[inline(always)]
     unsafe fn load_rows(self, base: *const u8, at: &[u32]) -> [Self::U; 4] {
         // SAFETY: the caller's promise.

@@ -120,12 +120,6 @@ impl Simd for Neon {
 
         select(mask: Mask, yes: F32, no: F32) -> F32 = F32(vbslq_f32(mask.0, yes.0, no.0));
         select_u32(mask: Mask, yes: U32, no: U32) -> U32 = U32(vbslq_u32(mask.0, yes.0, no.0));
-        select_f64(mask: Mask, yes: F64, no: F64) -> F64 = {
-            let mask = vreinterpretq_s32_u32(mask.0);
-            let lower = vreinterpretq_u64_s64(vmovl_s32(vget_low_s32(mask)));
-            let upper = vreinterpretq_u64_s64(vmovl_high_s32(mask));
-            F64(vbslq_f64(lower, yes.0, no.0), vbslq_f64(upper, yes.1, no.1))
-        };
 
         cast_u32(x: F32) -> U32 = U32(vreinterpretq_u32_f32(x.0));
         cast_f32(x: U32) -> F32 = F32(vreinterpretq_f32_u32(x.0));

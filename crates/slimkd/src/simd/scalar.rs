@@ -180,11 +180,6 @@ impl Simd for Scalar {
         choose(mask, yes, no)
     }
     #[inline(never)]
-    fn select_f64(self, mask: Self::M, yes: Self::D, no: Self::D) -> Self::D {
-        choose(mask, yes, no)
-    }
-
-    #[inline(never)]
     fn cast_u32(self, x: Self::F) -> Self::U {
         Array(x.0.map(f32::to_bits))
     }

@@ -128,14 +128,6 @@ impl Simd for Sse2 {
             let mask = _mm_castps_si128(mask.0);
             U32(_mm_or_si128(_mm_and_si128(mask, yes.0), _mm_andnot_si128(mask, no.0)))
         };
-        select_f64(mask: Mask, yes: F64, no: F64) -> F64 = {
-            let lower = _mm_castps_pd(_mm_unpacklo_ps(mask.0, mask.0));
-            let upper = _mm_castps_pd(_mm_unpackhi_ps(mask.0, mask.0));
-            F64(
-                _mm_or_pd(_mm_and_pd(lower, yes.0), _mm_andnot_pd(lower, no.0)),
-                _mm_or_pd(_mm_and_pd(upper, yes.1), _mm_andnot_pd(upper, no.1)),
-            )
-        };
 
         cast_u32(x: F32) -> U32 = U32(_mm_castps_si128(x.0));
         cast_f32(x: U32) -> F32 = F32(_mm_castsi128_ps(x.0));

@@ -60,7 +60,6 @@ impl Kernel for Everything {
         for m in masks {
             out.extend([u64::from(s.bits(m)), s.bits(!m).into(), s.any(m).into(), s.all(m | !m).into()]);
             put(s, s.select(m, a, b), &mut out);
-            put(s, s.narrow(s.select_f64(m, wide_a, third)), &mut out);
             put_u32(s, s.select_u32(m, u, v), &mut out);
             let mut to = [0; LANES];
             let count = s.compress(m, u, &mut to);

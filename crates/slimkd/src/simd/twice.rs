@@ -128,7 +128,6 @@ impl<S: Simd> Simd for Twice<S> {
         lt_u32(a: U, b: U) -> M;
         select(mask: M, yes: F, no: F) -> F;
         select_u32(mask: M, yes: U, no: U) -> U;
-        select_f64(mask: M, yes: D, no: D) -> D;
         cast_u32(x: F) -> U;
         cast_f32(x: U) -> F;
         widen(x: F) -> D;
@@ -158,12 +157,7 @@ impl<S: Simd> Simd for Twice<S> {
 
     #[inline(always)]
     fn permute(self, x: Self::F, from: Self::U) -> Self::F {
-        let half = |from: S::U| {
-            let within = from & self.0.u32s(S::WIDTH as u32 - 1);
-            let lower = self.0.lt_u32(from, self.0.u32s(S::WIDTH as u32));
-            self.0.select(lower, self.0.permute(x.0, within), self.0.permute(x.1, within))
-        };
-        Pair(half(from.0), half(from.1))
+        Pair(permute_half(self.0, x, from.0), permute_half(self.0, x, from.1))
     }
     #[inline(always)]
     fn permute_u32(self, x: Self::U, from: Self::U) -> Self::U {
@@ -232,4 +226,12 @@ impl<S: Simd> Simd for Twice<S> {
     fn pick(self, table: &[f32; 32], index: Self::U) -> Self::F {
         Pair(self.0.pick(table, index.0), self.0.pick(table, index.1))
     }
+}
+
+/// Half of a permutation. A function, since a closure fell out of the inline chain where it stands twice.
+#[inline(always)]
+fn permute_half<S: Simd>(s: S, x: Pair<S::F>, from: S::U) -> S::F {
+    let within = from & s.u32s(S::WIDTH as u32 - 1);
+    let lower = s.lt_u32(from, s.u32s(S::WIDTH as u32));
+    s.select(lower, s.permute(x.0, within), s.permute(x.1, within))
 }

@@ -20,6 +20,9 @@ impl Conditions<'_> {
     }
 }
 
+/// Says whether a hit of the ray at a position of the batch counts.
+pub(crate) type RayFilter<'a> = &'a (dyn Fn(usize, &Hit) -> bool + Sync);
+
 /// What the hits of a batch's rays must fulfil, ray by ray.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct RayConditions<'a> {
@@ -28,7 +31,7 @@ pub(crate) struct RayConditions<'a> {
     /// Added to a ray's position for the filter: these rays are a part of a batch.
     pub(crate) first: usize,
     /// Asked with the ray's position in the batch.
-    pub(crate) filter: Option<&'a (dyn Fn(usize, &Hit) -> bool + Sync)>,
+    pub(crate) filter: Option<RayFilter<'a>>,
 }
 
 impl<'a> RayConditions<'a> {

@@ -6,6 +6,8 @@ use crate::geometry::{Hit, Intersection};
 
 /// What the walk of one ray took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct RayCost {
     /// Nodes visited, leaves included.
     pub nodes: u32,

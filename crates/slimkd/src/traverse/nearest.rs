@@ -24,6 +24,8 @@ const SLACK: f64 = 1.0 / (1u64 << 40) as f64;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct NearestPoint {
     /// Where it is, scene units, rounded once from f64.
     pub point: [f32; 3],

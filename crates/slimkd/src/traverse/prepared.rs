@@ -38,7 +38,7 @@ use crate::layout::Planes;
 /// Half-width of a split plane relative to M; derived in the module head.
 const SLACK: f32 = 1.0 / (1 << 19) as f32;
 
-/// As [`SLACK`], relative to 4M.
+/// [`SLACK`] relative to 4M instead of M.
 pub(super) const QUARTER_SLACK: f32 = SLACK / 4.0;
 
 /// The least 4M, which leaves the least slack a normal number; times the ray's scale where [`LEAST_SCALED`] of that is more.
@@ -55,7 +55,7 @@ pub(super) const PARALLEL: f32 = 1.0 / (1u64 << 60) as f32;
 pub(crate) struct PreparedRay {
     pub(crate) shear: Shear,
     /// The origin in the tree's plane coordinates.
-    pub(crate) origin: [f32; 3],
+    pub(crate) plane_origin: [f32; 3],
     /// Scaled units per plane unit along each axis.
     pub(crate) inverse: [f32; 3],
     /// Half-widths of split planes along the ray, scaled units.
@@ -112,7 +112,9 @@ impl PreparedRay {
         }
         (enter <= exit).then(|| Self {
             shear,
-            origin: std::array::from_fn(|k| (ray.origin[k] - planes.low[k]) * planes.scale[k] + planes.shift),
+            plane_origin: std::array::from_fn(|k| {
+                (ray.origin[k] - planes.low[k]) * planes.scale[k] + planes.shift
+            }),
             inverse,
             slack: widths,
             descends,

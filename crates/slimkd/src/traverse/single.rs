@@ -88,7 +88,7 @@ fn walk<const Z: usize, S: Sink>(
             }
             // The plane is a slab: the ray leaves the near child at `last` and enters the far one at `first`.
             let axis = inner.axis;
-            let middle = (inner.split - ray.origin[axis]) * ray.inverse[axis];
+            let middle = (inner.split - ray.plane_origin[axis]) * ray.inverse[axis];
             let (first, last) = (middle - ray.slack[axis], middle + ray.slack[axis]);
             let (near, far) = inner.near_and_far(ray.descends[axis]);
             let near_only = exit < first;

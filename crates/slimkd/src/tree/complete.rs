@@ -29,7 +29,7 @@ const NARROW: f64 = 1.0 / (1u64 << 42) as f64;
 /// built took 27 at most; without a bound, a forged tree could take the square of its size.
 const STEPS: u64 = 256;
 /// Triangles that a thread takes at a time.
-const CHUNK: usize = 1024;
+const TRIANGLES_A_TASK: usize = 1024;
 
 /// Why a tree was not proved complete.
 #[derive(Debug, Error, PartialEq, Eq)]
@@ -87,10 +87,10 @@ fn check<N: Nodes + Sync>(tree: &KdTree, nodes: N, progress: &Progress) -> Resul
     let size = tree.encoded.bytes() / 8 + listing.leaves.len() as u64 + valid.len() as u64;
     let left = AtomicI64::new(i64::try_from(STEPS * size).unwrap_or(i64::MAX));
     progress.begin(1.0);
-    let share = CHUNK as f64 / valid.len().max(1) as f64;
+    let share = TRIANGLES_A_TASK as f64 / valid.len().max(1) as f64;
     // The first chunk with an error; those behind it need not be looked at.
     let first = AtomicUsize::new(usize::MAX);
-    let found = threads::map(valid.chunks(CHUNK).enumerate(), |(number, ids)| {
+    let found = threads::map(valid.chunks(TRIANGLES_A_TASK).enumerate(), |(number, ids)| {
         if number > first.load(Relaxed) {
             return Ok(None);
         }

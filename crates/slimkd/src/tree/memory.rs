@@ -6,6 +6,7 @@ use crate::layout::Encoded;
 /// Bytes of a tree by part. Everything but `mesh` is what the acceleration structure adds to the bare indexed mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MemoryReport {
     /// Inner and leaf nodes, without T-reference slots.
     pub nodes: u64,

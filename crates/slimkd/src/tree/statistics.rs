@@ -4,6 +4,8 @@ use crate::layout::LeafMode;
 
 /// Nodes by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct NodeCounts {
     /// Inner nodes without a T-reference.
     pub inner: u64,
@@ -17,6 +19,8 @@ pub struct NodeCounts {
 
 /// Triangle references of the leaves by mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct LeafReferences {
     /// In 4-byte mode.
     pub four_byte: u64,
@@ -39,6 +43,7 @@ impl LeafReferences {
 /// What a tree looks like.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TreeStatistics {
     /// Triangles of the mesh, degenerate ones included.
     pub triangles: u64,

@@ -9,6 +9,14 @@ pub fn how_many(variable: &str, few: u64) -> u64 {
         .map_or(few, |n| n.parse().unwrap_or_else(|_| panic!("{variable}={n} is no number")))
 }
 
+/// Says that a test needs what is not here, and why that is a pity. `SLIMKD_REQUIRE=qemu,objdump` makes that a failure for the tools that
+/// it names, so that nothing is skipped in silence where everything should run.
+pub fn missing(tool: &str, so: &str) {
+    let required = std::env::var("SLIMKD_REQUIRE").unwrap_or_default();
+    assert!(!required.split(',').any(|name| name == tool), "{tool} is missing: {so}");
+    println!("skipped: no {tool}, {so}");
+}
+
 /// Threads that a campaign takes, `SLIMKD_WORKERS`.
 pub fn workers() -> u64 {
     how_many("SLIMKD_WORKERS", 2).max(1)

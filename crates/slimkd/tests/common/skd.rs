@@ -37,7 +37,7 @@ pub fn parts(bytes: &[u8]) -> Vec<(u32, Vec<u8>)> {
 pub fn join(parts: &[(u32, Vec<u8>)]) -> Vec<u8> {
     let mut bytes = vec![0; 64 + 32 * parts.len()];
     bytes[..8].copy_from_slice(b"SKDTREE\0");
-    bytes[8] = 2;
+    bytes[8] = 3; // the version
     bytes[12] = parts.len() as u8;
     for (section, (kind, content)) in parts.iter().enumerate() {
         bytes.resize(bytes.len().next_multiple_of(64), 0);

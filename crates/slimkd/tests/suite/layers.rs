@@ -72,3 +72,48 @@ fn arrows_point_down() {
     assert_eq!(seen.len(), ROOMS.len(), "a room of the list has no file");
     assert!(upward.is_empty(), "arrows that point up:\n{}", upward.join("\n"));
 }
+
+/// `ARCHITECTURE.md` names every room, in this order, and no file of its walk is missing.
+#[test]
+fn the_architecture_page_is_up_to_date() {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let page = fs::read_to_string(crates.join("../ARCHITECTURE.md")).unwrap();
+    let rooms: Vec<_> = page
+        .lines()
+        .skip_while(|line| !line.starts_with("| room |"))
+        .skip(2)
+        .map_while(|line| {
+            line.strip_prefix("| `")?.split_once('`').map(|(name, _)| name.trim_end_matches('/'))
+        })
+        .collect();
+    assert_eq!(rooms, ROOMS);
+    let walk = page.lines().skip_while(|line| !line.starts_with("| step |")).skip(2);
+    let mut files = 0;
+    for line in walk.take_while(|line| line.starts_with('|')) {
+        let mut folder = String::from("slimkd/src");
+        for part in line.split_once(" | ").unwrap().1.split(['`', ';', ',', '|']).map(str::trim) {
+            if part.ends_with(".rs") {
+                let named = [
+                    format!("{folder}/{part}"),
+                    format!("slimkd/src/{part}"),
+                    part.replacen('/', "/src/", 1),
+                ];
+                let found = named.iter().any(|name| crates.join(name).exists());
+                assert!(found, "{part} of the walk in ARCHITECTURE.md does not exist");
+                files += 1;
+            } else if let Some((first, rest)) = part.split_once('/') {
+                folder = if first.starts_with("slimkd") {
+                    format!("{first}/src/{rest}")
+                } else {
+                    format!("slimkd/src/{part}")
+                };
+            } else if part.starts_with("slimkd-") {
+                folder = format!("{part}/src");
+            } else if crates.join("slimkd/src").join(part).is_dir() && !part.is_empty() {
+                folder = format!("slimkd/src/{part}");
+            }
+        }
+    }
+    assert!(files <= 60, "{files} files from a mesh to a pixel");
+    assert!(page.contains(&format!("file by file; {files} in all")), "the walk has {files} files");
+}

@@ -6,10 +6,13 @@ mod exact;
 #[path = "../common/skd.rs"]
 mod skd;
 
+mod api;
 mod budget;
 mod coherent;
 mod complete;
 mod file;
+mod inline_chain;
+mod interop;
 mod invariants;
 mod layers;
 mod open;

@@ -60,7 +60,7 @@ fn shared_planes_duplicates_and_large_leaves() {
     let mesh = Arc::new(TriangleMesh::new(vertices, triangles).unwrap());
     let rays = hard_rays(&mesh, 3000, 8);
     for (variant, options) in variants() {
-        check(&variant, &mut KdTree::build(Arc::clone(&mesh), &options).unwrap(), &rays);
+        check(&variant, &KdTree::build(Arc::clone(&mesh), &options).unwrap(), &rays);
     }
 }
 
@@ -99,11 +99,11 @@ fn invalid_rays_between_others_miss_alone() {
         }
     }
     for (variant, options) in variants() {
-        check(&variant, &mut KdTree::build(Arc::clone(&mesh), &options).unwrap(), &rays);
+        check(&variant, &KdTree::build(Arc::clone(&mesh), &options).unwrap(), &rays);
     }
     // Whole vectors of nothing but invalid rays.
     let invalid = vec![Ray::new([0.0; 3], [0.0; 3]); 100];
-    check("invalid", &mut KdTree::build(mesh, &BuildOptions::default()).unwrap(), &invalid);
+    check("invalid", &KdTree::build(mesh, &BuildOptions::default()).unwrap(), &invalid);
 }
 
 #[test]
@@ -136,7 +136,7 @@ fn an_empty_mesh_and_a_single_triangle() {
     let one = TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]).unwrap();
     for mesh in [TriangleMesh::default(), one] {
         for (variant, options) in variants() {
-            check(&variant, &mut KdTree::build(mesh.clone(), &options).unwrap(), &rays);
+            check(&variant, &KdTree::build(mesh.clone(), &options).unwrap(), &rays);
         }
     }
 }

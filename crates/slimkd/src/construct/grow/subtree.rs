@@ -20,7 +20,7 @@ use crate::plan::{Plan, PlanNode, Price};
 use std::ops::Range;
 
 /// Nodes between two looks at whether the build was cancelled: a millisecond or less.
-const STRIDE: usize = 256;
+const NODES_A_LOOK: usize = 256;
 
 /// A node on the stack of one thread.
 struct Pending {
@@ -64,7 +64,7 @@ impl Builder<'_> {
         let mut pending = vec![Pending { range: 0..fragments.len(), voxel, weight, parent: None }];
         while let Some(Pending { range, voxel, weight, parent }) = pending.pop() {
             let at = plan.nodes.len();
-            if at.is_multiple_of(STRIDE) {
+            if at.is_multiple_of(NODES_A_LOOK) {
                 self.job.progress.check()?;
             }
             if needs_counts {

@@ -6,7 +6,7 @@
 use super::fragment::Fragment;
 use super::partition::Partition;
 use crate::construct::Builder;
-use crate::construct::builder::CHUNK;
+use crate::construct::builder::FRAGMENTS_A_PIECE;
 use crate::construct::split::Scratch;
 use crate::geometry::Aabb;
 use crate::job::memory::{copied, stretch};
@@ -194,12 +194,12 @@ impl Builder<'_> {
     }
 }
 
-/// The same rope with neighbours joined while they fit one piece.
+/// The pieces with neighbours joined while they fit one piece.
 fn joined(pieces: Vec<Vec<Fragment>>) -> Result<Vec<Vec<Fragment>>, BuildError> {
     let mut out: Vec<Vec<Fragment>> = Vec::with_capacity(pieces.len());
     for piece in pieces {
         match out.last_mut() {
-            Some(last) if last.len() + piece.len() <= CHUNK => {
+            Some(last) if last.len() + piece.len() <= FRAGMENTS_A_PIECE => {
                 let bytes = ((last.len() + piece.len()) * size_of::<Fragment>()) as u64;
                 last.try_reserve_exact(piece.len()).map_err(|_| BuildError::OutOfMemory { bytes })?;
                 last.extend_from_slice(&piece);

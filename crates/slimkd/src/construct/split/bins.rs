@@ -229,7 +229,7 @@ impl Search {
         self.open_anywhere(sah, count);
     }
 
-    /// The same code for wider registers.
+    /// [`Search::open_anywhere`] compiled for wider registers.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
     fn open_avx2(&mut self, sah: &VoxelSah, count: i32) {

@@ -24,7 +24,7 @@ pub(crate) fn best_split(fragments: &[Fragment], voxel: &Aabb, sah: &VoxelSah) -
     best_split_anywhere(fragments, voxel, sah)
 }
 
-/// The same code for wider registers; the same results, since nothing fuses multiplications and additions.
+/// The code compiled for wider registers. Results are the same, since nothing fuses multiplications and additions.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn best_split_avx2(fragments: &[Fragment], voxel: &Aabb, sah: &VoxelSah) -> Option<Split> {

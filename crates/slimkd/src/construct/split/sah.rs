@@ -47,7 +47,7 @@ impl VoxelSah {
         self.on(axis).split(position, left, right)
     }
 
-    /// The same for one axis.
+    /// The costs of splits on one axis.
     #[inline(always)]
     pub(crate) fn on(&self, axis: usize) -> AxisSah {
         AxisSah {

@@ -6,7 +6,7 @@ use crate::geometry::Aabb;
 use crate::layout::Planes;
 use crate::layout::checked::{CheckedMesh, Guard, bytes_at};
 use crate::layout::nodes::LeafMode;
-use crate::layout::nodes::{Address, Ids, Inner, Nodes, PIECE, Step};
+use crate::layout::nodes::{Address, Ids, Inner, MOST_IDS, Nodes, Step};
 
 /// The section's bytes, and what follows from the mesh.
 #[derive(Clone, Copy)]
@@ -93,7 +93,7 @@ unsafe impl Nodes for CheckedDense<'_> {
         Self: 'b,
     {
         let mut filled = 0;
-        while leaf.left > 0 && filled < PIECE {
+        while leaf.left > 0 && filled < MOST_IDS {
             match self.run(leaf, &mut buffer.0[filled..]).or_else(|| self.guard.breaks()) {
                 Some(count) => filled += count,
                 None => leaf.left = 0,

@@ -8,7 +8,7 @@ use super::{Dense, PADDING, word};
 use crate::geometry::Aabb;
 use crate::job::Job;
 use crate::job::memory::{filled, push, room};
-use crate::options::BuildError;
+use crate::options::{BuildError, Countable};
 use crate::plan::{Plan, PlanNode};
 
 /// Bytes that 32-bit addresses reach.
@@ -23,7 +23,7 @@ pub(crate) fn holds(bounds: &Aabb) -> bool {
 
 /// Bytes of what [`encode`] writes.
 pub(crate) fn size(plan: &Plan, job: &Job<'_>) -> Result<u64, BuildError> {
-    check("triangles", job.mesh.len() as u64, TRIANGLE_LIMIT)?;
+    check(Countable::Triangles, job.mesh.len() as u64, TRIANGLE_LIMIT)?;
     let code = LeafCode::new(job.mesh.len());
     let mut total = PADDING as u64;
     // Backwards, as in `encode`: of the subtrees on the stack, a node's left one is on top, its right one below.
@@ -41,7 +41,7 @@ pub(crate) fn size(plan: &Plan, job: &Job<'_>) -> Result<u64, BuildError> {
             }
         };
         total += own;
-        check("bytes", total, BYTE_LIMIT)?;
+        check(Countable::Bytes, total, BYTE_LIMIT)?;
         push(&mut subtrees, own + below)?;
     }
     Ok(total)
@@ -50,7 +50,7 @@ pub(crate) fn size(plan: &Plan, job: &Job<'_>) -> Result<u64, BuildError> {
 /// Encodes a plan without T-references, in bounds that the grid [`holds`].
 pub(crate) fn encode(plan: &Plan, bounds: &Aabb, job: &Job<'_>) -> Result<Dense, BuildError> {
     let triangles = job.mesh.len();
-    check("triangles", triangles as u64, TRIANGLE_LIMIT)?;
+    check(Countable::Triangles, triangles as u64, TRIANGLE_LIMIT)?;
     let planes = word::grid(bounds).expect("bounds that the grid holds");
     let code = LeafCode::new(triangles);
     // Of every node, its first byte's distance from the end.
@@ -77,7 +77,7 @@ pub(crate) fn encode(plan: &Plan, bounds: &Aabb, job: &Job<'_>) -> Result<Dense,
         }
         room(&mut reversed, bytes.len())?;
         reversed.extend(bytes.iter().rev());
-        check("bytes", reversed.len() as u64, BYTE_LIMIT)?;
+        check(Countable::Bytes, reversed.len() as u64, BYTE_LIMIT)?;
         starts[at] = reversed.len() as u32;
     }
     drop(starts);
@@ -101,6 +101,6 @@ pub(super) fn fits(bytes: usize, triangles: usize) -> bool {
     triangles as u64 <= TRIANGLE_LIMIT && bytes as u64 <= BYTE_LIMIT
 }
 
-fn check(what: &'static str, needed: u64, limit: u64) -> Result<(), BuildError> {
+fn check(what: Countable, needed: u64, limit: u64) -> Result<(), BuildError> {
     if needed <= limit { Ok(()) } else { Err(BuildError::TooLarge { what, needed, limit }) }
 }

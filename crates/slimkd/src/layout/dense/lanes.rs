@@ -4,7 +4,7 @@ use super::leaf::Leaf;
 use super::view::DenseView;
 use super::word;
 use crate::layout::lanes::{LaneNodes, LaneStep};
-use crate::layout::nodes::{Address, PIECE, SPILL};
+use crate::layout::nodes::{Address, MOST_IDS, SPILL};
 use crate::simd::Simd;
 
 // SAFETY: lanes decode the same bits as `Nodes` does, of a proved tree.
@@ -55,7 +55,7 @@ unsafe impl LaneNodes for DenseView<'_> {
     }
 
     #[inline(always)]
-    unsafe fn write(self, leaf: &mut Leaf, to: &mut [u32; PIECE + SPILL]) -> usize {
+    unsafe fn write(self, leaf: &mut Leaf, to: &mut [u32; MOST_IDS + SPILL]) -> usize {
         let write = |at: usize, first: u32| {
             for k in 0..SPILL {
                 to[at + k] = first + k as u32;

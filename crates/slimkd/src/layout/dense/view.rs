@@ -5,7 +5,7 @@ use super::{Dense, PADDING, word};
 use crate::layout::Planes;
 use crate::layout::mesh::MeshView;
 use crate::layout::nodes::LeafMode;
-use crate::layout::nodes::{Address, Ids, Inner, Nodes, PIECE, SPILL, Step};
+use crate::layout::nodes::{Address, Ids, Inner, MOST_IDS, Nodes, SPILL, Step};
 
 const _: () = assert!(LONGEST_RUN <= SPILL, "a run may begin at the last id of a piece");
 
@@ -23,7 +23,7 @@ impl<'a> DenseView<'a> {
         Self { bytes: &tree.bytes, code: tree.code, planes: &tree.planes, mesh }
     }
 
-    /// Takes ids off a leaf until [`PIECE`] are taken: how many. Calls `run` with a place and the id to write there and seven
+    /// Takes ids off a leaf until [`MOST_IDS`] are taken: how many. Calls `run` with a place and the id to write there and seven
     /// more behind it: a whole run at once, whatever its length; the next ones write over what is too much.
     ///
     /// # Safety
@@ -32,7 +32,7 @@ impl<'a> DenseView<'a> {
     pub(super) unsafe fn spell(self, leaf: &mut Leaf, mut write: impl FnMut(usize, u32)) -> usize {
         let Leaf { mut codes, mut left, mut next, mut run } = *leaf;
         let mut filled = 0;
-        while left > 0 && filled < PIECE {
+        while left > 0 && filled < MOST_IDS {
             write(filled, next);
             (filled, next, left) = (filled + run as usize, next + run, left - run);
             if left > 0 {

@@ -28,13 +28,13 @@ pub(super) fn distance(word: u32) -> u32 {
     word >> 2 & ((1 << DISTANCE_BITS) - 1)
 }
 
-/// As [`split`], by lanes.
+/// [`split`] of a word a lane.
 #[inline(always)]
 pub(super) fn lanes_split<S: Simd>(s: S, word: S::U) -> S::F {
     s.cast_f32((word >> PLANE_TO_FLOAT) | s.u32s(ONE))
 }
 
-/// As [`distance`], by lanes.
+/// [`distance`] of a word a lane.
 #[inline(always)]
 pub(super) fn lanes_distance<S: Simd>(s: S, word: S::U) -> S::U {
     (word >> 2) & s.u32s((1 << DISTANCE_BITS) - 1)

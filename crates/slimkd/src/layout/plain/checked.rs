@@ -5,7 +5,7 @@ use super::{Packed, view::Leaf};
 use crate::layout::Planes;
 use crate::layout::checked::{CheckedMesh, Guard, bytes_at};
 use crate::layout::nodes::LeafMode;
-use crate::layout::nodes::{Address, Ids, Inner, Nodes, PIECE, Step};
+use crate::layout::nodes::{Address, Ids, Inner, MOST_IDS, Nodes, Step};
 
 /// The sections' bytes.
 #[derive(Clone, Copy)]
@@ -63,7 +63,7 @@ unsafe impl Nodes for CheckedPlain<'_> {
     where
         Self: 'b,
     {
-        let count = PIECE.min(leaf.left as usize);
+        let count = MOST_IDS.min(leaf.left as usize);
         for k in 0..count {
             let Some(id) = self.id(leaf, leaf.first as usize + k).or_else(|| self.guard.breaks()) else {
                 *leaf = Leaf::EMPTY;

@@ -4,7 +4,7 @@ use super::Plain;
 use super::layout::{COUNT_LIMIT_2BYTE, COUNT_LIMIT_4BYTE, Node, POINTER_LIMIT, Packed};
 use crate::job::Job;
 use crate::job::memory::with_room;
-use crate::options::BuildError;
+use crate::options::{BuildError, Countable};
 use crate::plan::{Plan, PlanNode};
 
 /// Whether a leaf of these ids can use the 2-byte mode: they share their upper 16 bits and H can count them.
@@ -32,18 +32,18 @@ struct Entries {
 impl Entries {
     fn of(plan: &Plan, two_byte: bool, job: &Job<'_>) -> Result<Self, BuildError> {
         let nodes = (plan.nodes.len() + plan.hoisted.len()) as u64;
-        check("nodes", nodes, POINTER_LIMIT)?;
+        check(Countable::Nodes, nodes, POINTER_LIMIT)?;
         let (mut wide, mut narrow) = (0u64, 0u64);
         for (at, node) in plan.nodes.iter().enumerate() {
             job.check_at(at)?;
             if let &PlanNode::Leaf { first, count } = node {
                 let mode = shared_upper(leaf_ids(plan, first, count)).filter(|_| two_byte);
                 *if mode.is_some() { &mut narrow } else { &mut wide } += u64::from(count);
-                check("triangles in a leaf", count.into(), COUNT_LIMIT_4BYTE)?;
+                check(Countable::TrianglesOfALeaf, count.into(), COUNT_LIMIT_4BYTE)?;
             }
         }
-        check("4-byte references", wide, POINTER_LIMIT)?;
-        check("2-byte references", narrow, POINTER_LIMIT)?;
+        check(Countable::FourByteReferences, wide, POINTER_LIMIT)?;
+        check(Countable::TwoByteReferences, narrow, POINTER_LIMIT)?;
         Ok(Self { nodes, wide, narrow })
     }
 }
@@ -98,6 +98,6 @@ pub(crate) fn encode(plan: &Plan, two_byte: bool, job: &Job<'_>) -> Result<Plain
     Ok(out)
 }
 
-fn check(what: &'static str, needed: u64, limit: u64) -> Result<(), BuildError> {
+fn check(what: Countable, needed: u64, limit: u64) -> Result<(), BuildError> {
     if needed <= limit { Ok(()) } else { Err(BuildError::TooLarge { what, needed, limit }) }
 }

@@ -4,7 +4,7 @@ use super::layout::Packed;
 use super::view::{Leaf, PlainView};
 use crate::layout::lanes::{LaneNodes, LaneStep};
 use crate::layout::nodes::LeafMode;
-use crate::layout::nodes::{Address, PIECE, SPILL};
+use crate::layout::nodes::{Address, MOST_IDS, SPILL};
 use crate::simd::Simd;
 
 /// Ids that are taken off a leaf at once.
@@ -63,7 +63,7 @@ unsafe impl LaneNodes for PlainView<'_> {
     }
 
     #[inline(always)]
-    unsafe fn write(self, leaf: &mut Leaf, to: &mut [u32; PIECE + SPILL]) -> usize {
+    unsafe fn write(self, leaf: &mut Leaf, to: &mut [u32; MOST_IDS + SPILL]) -> usize {
         let Leaf { first, left, upper, mode } = *leaf;
         let taken = left.min(VECTOR as u32);
         if mode == LeafMode::FourByte {
@@ -85,7 +85,13 @@ unsafe impl LaneNodes for PlainView<'_> {
 /// Writes the ids from `first` on, at most a vector of the `left` ones: a whole vector at once where the array goes on that far,
 /// since a loop over a few costs more.
 #[inline(always)]
-fn copy<T: Copy>(ids: &[T], first: usize, left: usize, to: &mut [u32; PIECE + SPILL], id: impl Fn(T) -> u32) {
+fn copy<T: Copy>(
+    ids: &[T],
+    first: usize,
+    left: usize,
+    to: &mut [u32; MOST_IDS + SPILL],
+    id: impl Fn(T) -> u32,
+) {
     debug_assert!(first + left <= ids.len());
     if let Some(whole) = ids.get(first..first + VECTOR) {
         for k in 0..VECTOR {

@@ -105,13 +105,13 @@ impl Packed {
         self.0 as u32
     }
 
-    /// As [`Packed::is_leaf`], of lower halves.
+    /// [`Packed::is_leaf`] of a node a lane, given its lower half.
     #[inline(always)]
     pub(super) fn lanes_leaf<S: Simd>(s: S, lower: S::U) -> S::M {
         s.eq_u32(lower & s.u32s(0b11), s.u32s(KIND_LEAF as u32))
     }
 
-    /// As [`Packed::has_t_reference`], of lower halves.
+    /// [`Packed::has_t_reference`] of a node a lane, given its lower half.
     #[inline(always)]
     pub(super) fn lanes_t_reference<S: Simd>(s: S, lower: S::U) -> S::M {
         s.eq_u32(lower & s.u32s(KIND_TYPE_II as u32), s.u32s(KIND_TYPE_II as u32))

@@ -4,7 +4,7 @@ use super::{Packed, Plain};
 use crate::layout::Planes;
 use crate::layout::mesh::MeshView;
 use crate::layout::nodes::LeafMode;
-use crate::layout::nodes::{Address, Ids, Inner, Nodes, PIECE, Step};
+use crate::layout::nodes::{Address, Ids, Inner, MOST_IDS, Nodes, Step};
 
 /// A proven tree and its mesh as plain slices.
 #[derive(Clone, Copy)]
@@ -87,7 +87,7 @@ unsafe impl Nodes for PlainView<'_> {
             // SAFETY: a proven tree's leaf ranges lie inside the array.
             return unsafe { self.indices_4byte.get_unchecked(first..first + count) };
         }
-        let count = PIECE.min(leaf.left as usize);
+        let count = MOST_IDS.min(leaf.left as usize);
         debug_assert!(first + count <= self.indices_2byte.len());
         // SAFETY: a proven tree's leaf ranges lie inside the array.
         let lower = unsafe { self.indices_2byte.get_unchecked(first..first + count) };

@@ -9,7 +9,7 @@ use crate::plan::Work;
 use crate::plan::{Plan, PlanNode};
 
 /// Nodes between two looks at whether the build was cancelled, in loops that do not move its progress.
-const STRIDE: usize = 1 << 14;
+const NODES_A_LOOK: usize = 1 << 14;
 
 /// A tree on its way to T-references.
 pub(super) struct Pass {
@@ -168,7 +168,7 @@ impl Pass {
         let mut marked = 0;
         let mut node = at;
         while node < end {
-            if node.is_multiple_of(STRIDE) {
+            if node.is_multiple_of(NODES_A_LOOK) {
                 job.check()?;
             }
             while path.last().is_some_and(|&parent| self.work.ends[parent] as usize <= node) {
@@ -197,7 +197,7 @@ impl Pass {
     fn count_leaves(&mut self, at: usize, job: &Job<'_>) -> Result<(), BuildError> {
         // From the back, so that children come first; what lies under a cut is counted in vain.
         for node in (at..self.work.ends[at] as usize).rev() {
-            if node.is_multiple_of(STRIDE) {
+            if node.is_multiple_of(NODES_A_LOOK) {
                 job.check()?;
             }
             self.leaves[node] = match self.work.plan.nodes[node] {

@@ -17,7 +17,7 @@ use crate::traverse::prepared::{larger, smaller};
 /// Ends of what the rays have, by axis.
 pub(super) struct Bundle {
     /// The starts that give the least and the most t, plane coordinates.
-    start: [[f32; 2]; 3],
+    plane_origin: [[f32; 2]; 3],
     /// Least and most of `Group::inverse`; of one sign.
     inverse: [[f32; 2]; 3],
     /// The most.
@@ -29,14 +29,14 @@ impl Bundle {
     #[inline(always)]
     pub(super) fn new<S: Simd, const G: usize>(s: S, group: &Group<S, G>, class: Class, lanes: u64) -> Self {
         let (none, all) = (s.f32s(f32::INFINITY), s.f32s(f32::NEG_INFINITY));
-        let mut bundle = Self { start: [[0.0; 2]; 3], inverse: [[0.0; 2]; 3], slack: [0.0; 3] };
+        let mut bundle = Self { plane_origin: [[0.0; 2]; 3], inverse: [[0.0; 2]; 3], slack: [0.0; 3] };
         for k in 0..3 {
             let [mut least_start, mut least_inverse] = [none; 2];
             let [mut most_start, mut most_inverse, mut slack] = [all; 3];
             let mut tame = s.mask(u32::MAX);
             for g in 0..G {
                 let mask = s.mask((lanes >> (g * WIDTH)) as u32);
-                let (start, inverse) = (group.start[k][g], group.inverse[k][g]);
+                let (start, inverse) = (group.plane_origin[k][g], group.inverse[k][g]);
                 let sound = s.lt(s.abs(start), none)
                     & s.lt(s.abs(inverse), none)
                     & s.le(s.f32s(f32::MIN_POSITIVE), s.abs(inverse))
@@ -49,7 +49,7 @@ impl Bundle {
                 slack = s.larger(s.select(mask, group.slack[k][g], all), slack);
             }
             let ends = [s.least(least_start), s.most(most_start)];
-            bundle.start[k] = if class.descends[k] == 0 { [ends[1], ends[0]] } else { ends };
+            bundle.plane_origin[k] = if class.descends[k] == 0 { [ends[1], ends[0]] } else { ends };
             bundle.inverse[k] = [s.least(least_inverse), s.most(most_inverse)];
             bundle.slack[k] = if s.all(tame) { s.most(slack) } else { f32::INFINITY };
         }
@@ -59,7 +59,7 @@ impl Bundle {
     /// Where the rays meet a plane's slab, scaled units: none before the first, none after the second. NaN says nothing.
     #[inline(always)]
     pub(super) fn slab(&self, axis: usize, split: f32) -> (f32, f32) {
-        let (start, [a, b], slack) = (self.start[axis], self.inverse[axis], self.slack[axis]);
+        let (start, [a, b], slack) = (self.plane_origin[axis], self.inverse[axis], self.slack[axis]);
         let (nearest, farthest) = (split - start[0], split - start[1]);
         (smaller(nearest * a, nearest * b) - slack, larger(farthest * a, farthest * b) + slack)
     }

@@ -1,4 +1,4 @@
-//! Up to 16·G rays side by side: what `PreparedRay` and `Shear` hold of one ray, a lane each.
+//! Up to 16·G rays side by side: what `PreparedRay` and `Shear` hold of one ray, a lane each. Read `prepared.rs` first.
 //!
 //! The operations are those of `prepared.rs` and `geometry/intersect.rs` in their order, so slopes have the same bits
 //! and the proofs there hold a lane at a time.
@@ -19,7 +19,7 @@ pub(super) type Lanes<V, const G: usize> = [V; G];
 pub(super) struct Group<S: Simd, const G: usize> {
     pub(super) origin: [Lanes<S::F, G>; 3],
     /// As `PreparedRay::origin`: in the tree's plane coordinates.
-    pub(super) start: [Lanes<S::F, G>; 3],
+    pub(super) plane_origin: [Lanes<S::F, G>; 3],
     /// As `PreparedRay::inverse`.
     pub(super) inverse: [Lanes<S::F, G>; 3],
     /// As `PreparedRay::slack`.
@@ -27,7 +27,7 @@ pub(super) struct Group<S: Simd, const G: usize> {
     /// As `Shear::slope`.
     pub(super) slope: [Lanes<S::F, G>; 2],
     /// The direction's longest component.
-    pub(super) depth: Lanes<S::F, G>,
+    pub(super) along: Lanes<S::F, G>,
     /// Interval inside the bounds, scaled units; empty for rays that are not to be traced.
     pub(super) enter: Lanes<S::F, G>,
     pub(super) exit: Lanes<S::F, G>,
@@ -105,11 +105,11 @@ impl<S: Simd, const G: usize> Group<S, G> {
         let zeros = [s.f32s(0.0); G];
         Self {
             origin: [zeros; 3],
-            start: [zeros; 3],
+            plane_origin: [zeros; 3],
             inverse: [zeros; 3],
             slack: [zeros; 3],
             slope: [zeros; 2],
-            depth: zeros,
+            along: zeros,
             enter: zeros,
             exit: zeros,
             t_min: zeros,
@@ -188,13 +188,13 @@ impl<S: Simd, const G: usize> Group<S, G> {
         let x_over_y = s.lt(size[1], size[0]);
         let is_x = x_over_y & s.lt(size[2], size[0]);
         let is_y = !x_over_y & s.lt(size[2], size[1]);
-        let depth = pick(s, [is_x, is_y], direction);
-        self.slope[0][g] = pick(s, [is_x, is_y], [direction[1], direction[2], direction[0]]) / depth;
-        self.slope[1][g] = pick(s, [is_x, is_y], [direction[2], direction[0], direction[1]]) / depth;
-        self.depth[g] = depth;
+        let along = pick(s, [is_x, is_y], direction);
+        self.slope[0][g] = pick(s, [is_x, is_y], [direction[1], direction[2], direction[0]]) / along;
+        self.slope[1][g] = pick(s, [is_x, is_y], [direction[2], direction[0], direction[1]]) / along;
+        self.along[g] = along;
 
         // Scale: the power of two at or below the longest component, and its reciprocal.
-        let exponent = s.cast_u32(s.abs(depth)) & s.u32s(0x7f80_0000);
+        let exponent = s.cast_u32(s.abs(along)) & s.u32s(0x7f80_0000);
         let least = s.u32s(f32::MIN_POSITIVE.to_bits());
         let subnormal = s.lt_u32(exponent, least);
         let exponent = s.select_u32(subnormal, least, exponent);
@@ -233,7 +233,7 @@ impl<S: Simd, const G: usize> Group<S, G> {
             classes.negative[k] |= u64::from(s.bits(negative)) << at;
             let start = (origin[k] - s.f32s(planes.low[k])) * s.f32s(planes.scale[k]) + s.f32s(planes.shift);
             self.origin[k][g] = origin[k];
-            self.start[k][g] = start;
+            self.plane_origin[k][g] = start;
             self.inverse[k][g] = plane_inverse;
             self.slack[k][g] = width;
         }
@@ -265,11 +265,11 @@ impl<S: Simd, const G: usize> Group<S, G> {
     pub(super) fn part(&self, g: usize) -> Group<S, 1> {
         Group {
             origin: [[self.origin[0][g]], [self.origin[1][g]], [self.origin[2][g]]],
-            start: [[self.start[0][g]], [self.start[1][g]], [self.start[2][g]]],
+            plane_origin: [[self.plane_origin[0][g]], [self.plane_origin[1][g]], [self.plane_origin[2][g]]],
             inverse: [[self.inverse[0][g]], [self.inverse[1][g]], [self.inverse[2][g]]],
             slack: [[self.slack[0][g]], [self.slack[1][g]], [self.slack[2][g]]],
             slope: [[self.slope[0][g]], [self.slope[1][g]]],
-            depth: [self.depth[g]],
+            along: [self.along[g]],
             enter: [self.enter[g]],
             exit: [self.exit[g]],
             t_min: [self.t_min[g]],

@@ -61,14 +61,15 @@ impl<N: Nodes> Kernel for ClosestHits<'_, N> {
         let mut group = Group::new(s);
         let mut found = [NOTHING; RAYS];
         let mut strays = Strays::new();
-        for (at, (rays, hits)) in self.rays.chunks(RAYS).zip(self.hits.chunks_mut(RAYS)).enumerate() {
+        let mut first = 0;
+        for (rays, hits) in self.rays.chunks(RAYS).zip(self.hits.chunks_mut(RAYS)) {
             let alone = trace::<S, N, false>(
                 s,
                 self.tree,
                 &planes,
                 rays,
                 self.except,
-                at * RAYS,
+                first,
                 &mut group,
                 &mut stacks,
             );
@@ -81,7 +82,8 @@ impl<N: Nodes> Kernel for ClosestHits<'_, N> {
             for (hit, found) in hits.iter_mut().zip(&found) {
                 *hit = (found.triangle != u32::MAX).then_some(*found);
             }
-            each(alone, |i| strays.push(at * RAYS + i));
+            each(alone, |i| strays.push(first + i));
+            first += RAYS;
         }
         strays
     }
@@ -105,26 +107,21 @@ impl<N: Nodes> Kernel for AnyHits<'_, N> {
         let mut stacks = Stacks::new(self.tree.depth);
         let mut group = Group::new(s);
         let mut strays = Strays::new();
-        for (at, (rays, hits)) in self.rays.chunks(RAYS).zip(self.hits.chunks_mut(RAYS)).enumerate() {
-            let alone = trace::<S, N, true>(
-                s,
-                self.tree,
-                &planes,
-                rays,
-                self.except,
-                at * RAYS,
-                &mut group,
-                &mut stacks,
-            );
+        let mut first = 0;
+        for (rays, hits) in self.rays.chunks(RAYS).zip(self.hits.chunks_mut(RAYS)) {
+            let alone =
+                trace::<S, N, true>(s, self.tree, &planes, rays, self.except, first, &mut group, &mut stacks);
             let mut found = 0;
             for g in 0..VECTORS {
                 let missed = s.eq_u32(group.triangle[g], s.u32s(u32::MAX));
                 found |= u64::from(s.bits(!missed)) << (g * WIDTH);
             }
-            for (i, hit) in hits.iter_mut().enumerate() {
-                *hit = found >> i & 1 == 1;
+            for hit in hits {
+                *hit = found & 1 == 1;
+                found >>= 1;
             }
-            each(alone, |i| strays.push(at * RAYS + i));
+            each(alone, |i| strays.push(first + i));
+            first += RAYS;
         }
         strays
     }

@@ -6,7 +6,7 @@ use crate::geometry::Ray;
 pub(crate) type Strays = Vec<usize>;
 
 /// Rays gathered at once: what streams were measured with, and what their buffers are bounded by.
-const PIECE: usize = 4096;
+const GATHERED: usize = 4096;
 
 /// Finds the hits of `strays` by `trace`.
 pub(crate) fn finish<H: Copy + Default>(
@@ -16,7 +16,7 @@ pub(crate) fn finish<H: Copy + Default>(
     strays: &[usize],
     trace: impl Fn(&[Ray], Option<&[u32]>, &mut [H]),
 ) {
-    for strays in strays.chunks(PIECE) {
+    for strays in strays.chunks(GATHERED) {
         let gathered: Vec<Ray> = strays.iter().map(|&at| rays[at]).collect();
         let mut found = vec![H::default(); gathered.len()];
         let left_out: Option<Vec<u32>> = except.map(|except| strays.iter().map(|&at| except[at]).collect());

@@ -21,6 +21,7 @@ pub(super) fn test<S: Simd, const G: usize, const COMMON: bool, const ANY: bool>
     corners: &[[f32; 3]; 3],
     id: u32,
 ) -> S::M {
+    // The corners in each ray's frame.
     let zero = s.f32s(0.0);
     let slope = [group.slope[0][g], group.slope[1][g]];
     let (mut x, mut y, mut z) = ([zero; 3], [zero; 3], [zero; 3]);
@@ -39,6 +40,7 @@ pub(super) fn test<S: Simd, const G: usize, const COMMON: bool, const ANY: bool>
         x[i] = from[0] - slope[0] * from[2];
         y[i] = from[1] - slope[1] * from[2];
     }
+    // f32 rejects what is certainly missed.
     let u_f32 = x[2] * y[1] - y[2] * x[1];
     let v_f32 = x[0] * y[2] - y[0] * x[2];
     let w_f32 = x[1] * y[0] - y[1] * x[0];
@@ -50,6 +52,7 @@ pub(super) fn test<S: Simd, const G: usize, const COMMON: bool, const ANY: bool>
     if !s.any(candidates) {
         return candidates;
     }
+    // So does a triangle that lies behind the best hit as a whole.
     candidates = candidates & !behind(s, group, g, class.goes_down(), z);
     if !s.any(candidates) {
         return candidates;
@@ -57,7 +60,7 @@ pub(super) fn test<S: Simd, const G: usize, const COMMON: bool, const ANY: bool>
 
     count(|c| c.decided += u64::from(s.bits(candidates).count_ones()));
 
-    // As `Sheared::finish`.
+    // The decision in f64, in the operations of `Sheared::finish`.
     let [ax, bx, cx] = [s.widen(x[0]), s.widen(x[1]), s.widen(x[2])];
     let [ay, by, cy] = [s.widen(y[0]), s.widen(y[1]), s.widen(y[2])];
     let u = cx * by - cy * bx;
@@ -75,9 +78,9 @@ pub(super) fn test<S: Simd, const G: usize, const COMMON: bool, const ANY: bool>
     }
     let det = u + v + w;
     let [az, bz, cz] = [s.widen(z[0]), s.widen(z[1]), s.widen(z[2])];
-    let depth = s.widen(group.depth[g]);
-    let per_depth = s.f64s(1.0) / (det * depth);
-    let t = s.narrow((u * az + v * bz + w * cz) * per_depth);
+    let along = s.widen(group.along[g]);
+    let per_along = s.f64s(1.0) / (det * along);
+    let t = s.narrow((u * az + v * bz + w * cz) * per_along);
     let limit = group.limit[g];
     let id = s.u32s(id);
     hit = hit & !s.eq_f64(det, none) & s.le(group.t_min[g], t) & !s.eq_u32(id, group.except[g]);
@@ -92,7 +95,7 @@ pub(super) fn test<S: Simd, const G: usize, const COMMON: bool, const ANY: bool>
     if s.any(hit) {
         group.limit[g] = s.select(hit, t, limit);
         group.triangle[g] = s.select_u32(hit, id, group.triangle[g]);
-        let per_det = depth * per_depth;
+        let per_det = along * per_along;
         group.u[g] = s.select(hit, s.narrow(v * per_det), group.u[g]);
         group.v[g] = s.select(hit, s.narrow(w * per_det), group.v[g]);
     }
@@ -102,7 +105,7 @@ pub(super) fn test<S: Simd, const G: usize, const COMMON: bool, const ANY: bool>
 /// Rays that can only hit beyond their limit.
 ///
 /// A hit's t is a convex combination of the corners' z over the direction's, f64 and so off by less than 2⁻⁴⁸, then rounded
-/// once to f32 (2⁻²⁴): it lies beyond the limit when the nearest z lies beyond limit · depth by more than their 2⁻²². The
+/// once to f32 (2⁻²⁴): it lies beyond the limit when the nearest z lies beyond limit · along by more than their 2⁻²². The
 /// smallest normal number stands in where t is subnormal, so that its rounding is not relative, and where the product
 /// underflows. NaN rejects nothing.
 #[inline(always)]
@@ -114,7 +117,7 @@ fn behind<S: Simd, const G: usize>(
     [a, b, c]: [S::F; 3],
 ) -> S::M {
     let least = s.f32s(f32::MIN_POSITIVE);
-    let end = (group.limit[g] + least) * s.abs(group.depth[g]);
+    let end = (group.limit[g] + least) * s.abs(group.along[g]);
     let end = end + s.abs(end) * s.f32s(BEHIND) + least;
     if descends {
         s.lt(s.larger(a, s.larger(b, c)), s.f32s(0.0) - end)

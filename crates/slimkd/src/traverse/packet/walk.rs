@@ -1,7 +1,23 @@
-//! Up to 16·G rays through the tree together.
+//! Up to 16·G rays through the tree together. Read `single.rs` first: this is that walk, with an interval a lane.
 //!
 //! Sources: Wald et al., *Interactive Rendering with Coherent Ray Tracing*, EG 2001, for packets; `single.rs` for every
 //! comparison: a lane's interval takes the same values here as there.
+//!
+//! A worked example with four lanes, at an inner node whose plane x = 5 is crossed by rays that go up in x; numbers are distances
+//! along each ray, the slab's width is left out:
+//!
+//! ```text
+//! lane                      0        1        2        3
+//! interval [enter, exit]    [2, 9]   [2, 4]   [6, 9]   [3, 1]  empty: this ray has ended
+//! meets the plane at        5        7        4        6
+//! near child  [enter, min]  [2, 5]   [2, 4]   [6, 4]   [3, 1]  lanes 0 and 1 enter it
+//! far child   [max, exit]   [5, 9]   [7, 4]   [6, 9]   [6, 1]  lanes 0 and 2 enter it
+//! ```
+//!
+//! Some lane enters each child, so the far child's four intervals go to the stack and the walk goes on into the near child, where lane 2
+//! is empty now. When the stack gives the far child back, each `exit` is cut to the lane's best hit so far: a hit of lane 0 at 4.5
+//! leaves [5, 4.5], empty, and if lane 2 has ended too, the child is passed over. Intervals around all lanes ([`Span`], [`Bundle`])
+//! decide most nodes before any lane is looked at.
 //!
 //! Deviations
 //! 1. No mask says which rays are active: a ray is active where its interval is not empty. The slab rule of
@@ -42,17 +58,17 @@ pub(super) type Stack<S, const G: usize> = Vec<Far<S, G>>;
 #[derive(Clone, Copy)]
 pub(super) struct Eye {
     at: [f32; 3],
-    start: [f32; 3],
+    plane_origin: [f32; 3],
 }
 
 impl Eye {
     #[inline(always)]
     pub(super) fn new(at: [f32; 3], planes: &Planes) -> Self {
-        let mut start = at;
+        let mut plane_origin = at;
         for k in 0..3 {
-            start[k] = (at[k] - planes.low[k]) * planes.scale[k] + planes.shift;
+            plane_origin[k] = (at[k] - planes.low[k]) * planes.scale[k] + planes.shift;
         }
-        Self { at, start }
+        Self { at, plane_origin }
     }
 }
 
@@ -74,6 +90,7 @@ pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const 
         enter[g] = s.select(mask, enter[g], s.f32s(f32::INFINITY));
         exit[g] = s.select(mask, exit[g], s.f32s(f32::NEG_INFINITY));
     }
+    // Intervals around all rays: they decide most nodes at once.
     let bundle = Bundle::new(s, group, class, lanes);
     let mut span = Span { enter: f32::INFINITY, exit: f32::NEG_INFINITY };
     for g in 0..G {
@@ -94,6 +111,7 @@ pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const 
                 c.ray_nodes += u64::from(s.bits(s.le(enter[g], exit[g])).count_ones());
             }
         });
+        // Triangles of this node, of a leaf or as a T-reference.
         let reference;
         let mut ids = match &mut step {
             // SAFETY: the leaf comes from this tree.
@@ -121,6 +139,7 @@ pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const 
                 exit[g] = s.smaller(group.limit[g] * group.scale[g], exit[g]);
             }
         }
+        // An inner node: into the near child, the far child to the stack, or only one of both.
         if let Step::Inner(node) = step {
             let axis = node.axis;
             let (near, far) = node.near_and_far(class.descends[axis].wrapping_neg());
@@ -135,12 +154,13 @@ pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const 
                 address = far;
                 continue;
             }
-            let from_eye = s.f32s(node.split - eye.start[axis]);
+            // Not decided for all at once: lane by lane.
+            let from_eye = s.f32s(node.split - eye.plane_origin[axis]);
             let split = s.f32s(node.split);
             let (mut far_enter, mut near_exit) = (enter, exit);
             let (mut into_near, mut into_far) = (s.mask(0), s.mask(0));
             for g in 0..G {
-                let distance = if COMMON { from_eye } else { split - group.start[axis][g] };
+                let distance = if COMMON { from_eye } else { split - group.plane_origin[axis][g] };
                 let middle = distance * group.inverse[axis][g];
                 let slack = group.slack[axis][g];
                 far_enter[g] = s.larger(middle - slack, enter[g]);
@@ -163,6 +183,7 @@ pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const 
             address = near;
             continue;
         }
+        // A leaf: back to the nearest far child that some ray may still gain from.
         loop {
             let Some(far) = stack.pop() else { return };
             let mut active = s.mask(0);
@@ -202,7 +223,8 @@ unsafe fn offer<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const ANY
     count(|c| c.triangles += ids.len() as u64);
     // SAFETY: the caller says that the ids come from this tree.
     let mut next = unsafe { nodes.corners(ids[0]) };
-    for (index, &id) in ids.iter().enumerate() {
+    for index in 0..ids.len() {
+        let id = ids[index];
         let at = next;
         if let Some(&after) = ids.get(index + 1) {
             // SAFETY: as before.

@@ -4,7 +4,7 @@ use super::LEAVES_AT;
 use super::answers::Answers;
 use super::slots::{SLOTS, Slots};
 use super::triangles::test;
-use crate::layout::{Address, LaneNodes, PIECE, SPILL};
+use crate::layout::{Address, LaneNodes, MOST_IDS, SPILL};
 use crate::simd::Simd;
 use crate::traverse::RayConditions;
 
@@ -13,7 +13,7 @@ const LEAF_ROOM: usize = LEAVES_AT + SLOTS + 16;
 /// Pairs that are enough to read no more leaves before some are tested.
 const MANY: usize = 128;
 /// Room for pairs: that, what is taken off a leaf at once, and a vector.
-const PAIR_ROOM: usize = MANY + PIECE + SPILL + 16;
+const PAIR_ROOM: usize = MANY + MOST_IDS + SPILL + 16;
 
 /// The work in waiting.
 pub(super) struct Queue {

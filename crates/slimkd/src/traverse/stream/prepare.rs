@@ -1,4 +1,4 @@
-//! Rays made ready, 16 at a time: what `PreparedRay::new` does, by lanes.
+//! Rays made ready, 16 at a time: what `PreparedRay::new` does, by lanes. Read `prepared.rs` first: it has the reasons.
 //!
 //! The same operations in the same order, so the same bits; where a lane's ray is invalid they give anything.
 
@@ -26,12 +26,12 @@ pub(super) struct Prepared {
     pub(super) exit: Lanes<f32>,
     pub(super) limit: Lanes<f32>,
     pub(super) margin: Lanes<f32>,
-    pub(super) origin: [Lanes<f32>; 3],
+    pub(super) plane_origin: [Lanes<f32>; 3],
     pub(super) inverse: [Lanes<f32>; 3],
     pub(super) slack: [Lanes<f32>; 3],
-    pub(super) start: [Lanes<f32>; 3],
+    pub(super) frame_origin: [Lanes<f32>; 3],
     pub(super) slope: [Lanes<f32>; 2],
-    pub(super) depth: Lanes<f32>,
+    pub(super) along: Lanes<f32>,
     pub(super) longest: Lanes<f32>,
     pub(super) t_min: Lanes<f32>,
     pub(super) t_max: Lanes<f32>,
@@ -53,12 +53,12 @@ impl Prepared {
             exit: NONE,
             limit: NONE,
             margin: NONE,
-            origin: [NONE; 3],
+            plane_origin: [NONE; 3],
             inverse: [NONE; 3],
             slack: [NONE; 3],
-            start: [NONE; 3],
+            frame_origin: [NONE; 3],
             slope: [NONE; 2],
-            depth: NONE,
+            along: NONE,
             longest: NONE,
             t_min: NONE,
             t_max: NONE,
@@ -98,9 +98,9 @@ impl Prepared {
         let rest = &rays[first..];
         let count = rest.len().min(16);
         let mut numbers = [0; 16];
-        for (lane, number) in numbers.iter_mut().enumerate() {
+        for lane in 0..16 {
             // Lanes behind the end repeat the last ray.
-            *number = lane.min(count - 1) as u32;
+            numbers[lane] = lane.min(count - 1) as u32;
         }
         let numbers = s.load_u32(&numbers);
         // The next 16, two rays a line: they arrive while these are traced.
@@ -115,6 +115,7 @@ impl Prepared {
         let d = [s.cast_f32(dx), s.cast_f32(dy), s.cast_f32(dz)];
         let (t_min, t_max) = (s.cast_f32(t_min), s.cast_f32(t_max));
 
+        // Valid rays, as `Ray::is_valid` says.
         let (infinite, zero) = (s.f32s(f32::INFINITY), s.f32s(0.0));
         let (x, y, z) = (s.abs(d[0]), s.abs(d[1]), s.abs(d[2]));
         let finite = s.lt(x, infinite) & s.lt(y, infinite) & s.lt(z, infinite);
@@ -126,9 +127,9 @@ impl Prepared {
         // The longest axis, as `Shear::new` chooses it.
         let along_x = s.lt(y, x) & s.lt(z, x);
         let along_y = !s.lt(y, x) & s.lt(z, y);
-        let depth = third(s, along_x, along_y, d[0], d[1], d[2]);
-        let slope_x = third(s, along_x, along_y, d[1], d[2], d[0]) / depth;
-        let slope_y = third(s, along_x, along_y, d[2], d[0], d[1]) / depth;
+        let along = third(s, along_x, along_y, d[0], d[1], d[2]);
+        let slope_x = third(s, along_x, along_y, d[1], d[2], d[0]) / along;
+        let slope_y = third(s, along_x, along_y, d[2], d[0], d[1]) / along;
         let start_x = third(s, along_x, along_y, o[1], o[2], o[0]);
         let start_y = third(s, along_x, along_y, o[2], o[0], o[1]);
         let start_z = third(s, along_x, along_y, o[0], o[1], o[2]);
@@ -136,13 +137,14 @@ impl Prepared {
 
         // A power of two and its exact reciprocal, as in `PreparedRay::new`.
         let smallest = s.u32s(f32::MIN_POSITIVE.to_bits());
-        let power = s.cast_u32(s.abs(depth)) & s.u32s(0x7f80_0000);
+        let power = s.cast_u32(s.abs(along)) & s.u32s(0x7f80_0000);
         let subnormal = s.lt_u32(power, smallest);
         let power = s.select_u32(subnormal, smallest, power);
         let scale = s.cast_f32(power);
         let huge = s.le(s.f32s(2.0f32.powi(127)), scale);
         let unscale = s.select(huge, s.f32s(2.0f32.powi(-127)), s.cast_f32(s.u32s(254 << 23) - power));
 
+        // How far the bounds reach from the origin: the width of split planes follows from that.
         let mut reach = zero;
         for k in 0..3 {
             let (low, high) = (s.f32s(bounds.min[k]) - o[k], s.f32s(bounds.max[k]) - o[k]);
@@ -150,27 +152,29 @@ impl Prepared {
         }
         let least = s.f32s(LEAST) * s.larger(scale * s.f32s(LEAST_SCALED), s.f32s(1.0));
         let reach = s.f32s(4.0) * reach + s.select(subnormal, infinite, least);
+        // The interval inside the bounds, and each axis' part of the walk.
         let (t_min, t_max) = (s.larger(t_min, s.f32s(f32::MIN)), s.smaller(t_max, s.f32s(f32::MAX)));
         let (mut enter, mut exit, mut widest) = (t_min * scale, t_max * scale, zero);
         let limit = exit;
         for k in 0..3 {
-            let along = d[k] * unscale;
+            // A component near 0 is replaced: no infinity, and no 0 · ∞.
+            let component = d[k] * unscale;
             let sign = s.cast_u32(d[k]) & s.u32s(0x8000_0000);
             let parallel = s.cast_f32(s.u32s(PARALLEL.to_bits()) | sign);
-            let along = s.select(s.lt(s.abs(along), s.f32s(PARALLEL)), parallel, along);
-            let inverse = s.f32s(1.0) / along;
+            let component = s.select(s.lt(s.abs(component), s.f32s(PARALLEL)), parallel, component);
+            let inverse = s.f32s(1.0) / component;
             let plane_inverse = inverse * s.f32s(planes.unscale[k]);
             let width = reach * s.f32s(planes.scale[k]) * s.f32s(QUARTER_SLACK) + s.f32s(planes.cell);
             let width = width * s.abs(plane_inverse);
             let low = (s.f32s(bounds.min[k]) - o[k]) * inverse;
             let high = (s.f32s(bounds.max[k]) - o[k]) * inverse;
-            let down = s.lt(along, zero);
+            let down = s.lt(component, zero);
             let (near, far) = (s.select(down, high, low), s.select(down, low, high));
             enter = s.larger(near - width, enter);
             exit = s.smaller(far + width, exit);
             widest = s.larger(width, widest);
             let origin = (o[k] - s.f32s(planes.low[k])) * s.f32s(planes.scale[k]) + s.f32s(planes.shift);
-            s.store(origin, &mut self.origin[k].0);
+            s.store(origin, &mut self.plane_origin[k].0);
             s.store(plane_inverse, &mut self.inverse[k].0);
             s.store(width, &mut self.slack[k].0);
         }
@@ -179,16 +183,17 @@ impl Prepared {
         s.store(exit, &mut self.exit.0);
         s.store(limit, &mut self.limit.0);
         s.store(s.f32s(MARGIN) * widest, &mut self.margin.0);
-        s.store(start_x, &mut self.start[0].0);
-        s.store(start_y, &mut self.start[1].0);
-        s.store(start_z, &mut self.start[2].0);
+        s.store(start_x, &mut self.frame_origin[0].0);
+        s.store(start_y, &mut self.frame_origin[1].0);
+        s.store(start_z, &mut self.frame_origin[2].0);
         s.store(slope_x, &mut self.slope[0].0);
         s.store(slope_y, &mut self.slope[1].0);
-        s.store(depth, &mut self.depth.0);
+        s.store(along, &mut self.along.0);
         s.store(longest, &mut self.longest.0);
         s.store(t_min, &mut self.t_min.0);
         s.store(t_max, &mut self.t_max.0);
         s.store(scale, &mut self.scale.0);
+        // Those that enter the bounds wait for a slot; the others have missed.
         self.first = first as u32;
         self.waiting = s.bits(enters);
         let mut misses = s.bits(!enters) & ((1 << count) - 1);

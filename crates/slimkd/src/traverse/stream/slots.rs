@@ -40,14 +40,14 @@ pub(super) struct Slots {
     /// How far an interval may reach into its neighbour.
     margin: Each<f32>,
 
-    pub(super) origin: [Each<f32>; 3],
+    pub(super) plane_origin: [Each<f32>; 3],
     pub(super) inverse: [Each<f32>; 3],
     pub(super) slack: [Each<f32>; 3],
 
     /// The origin in the ray's frame, its slopes, the direction along the longest axis, and that axis.
-    pub(super) start: [Each<f32>; 3],
+    pub(super) frame_origin: [Each<f32>; 3],
     pub(super) slope: [Each<f32>; 2],
-    pub(super) depth: Each<f32>,
+    pub(super) along: Each<f32>,
     pub(super) longest: Each<f32>,
     pub(super) t_min: Each<f32>,
     /// The best hit; at first the ray's end and no triangle.
@@ -77,12 +77,12 @@ impl Slots {
             limit: none,
             cut: none,
             margin: none,
-            origin: [none; 3],
+            plane_origin: [none; 3],
             inverse: [none; 3],
             slack: [none; 3],
-            start: [none; 3],
+            frame_origin: [none; 3],
             slope: [none; 2],
-            depth: none,
+            along: none,
             longest: none,
             t_min: none,
             best_t: none,
@@ -137,14 +137,14 @@ impl Slots {
         new.put(s, new.take(s, &ready.enter), &mut self.enter);
         new.put(s, new.take(s, &ready.exit), &mut self.exit);
         for k in 0..3 {
-            new.put(s, new.take(s, &ready.origin[k]), &mut self.origin[k]);
+            new.put(s, new.take(s, &ready.plane_origin[k]), &mut self.plane_origin[k]);
             new.put(s, new.take(s, &ready.inverse[k]), &mut self.inverse[k]);
             new.put(s, new.take(s, &ready.slack[k]), &mut self.slack[k]);
-            new.put(s, new.take(s, &ready.start[k]), &mut self.start[k]);
+            new.put(s, new.take(s, &ready.frame_origin[k]), &mut self.frame_origin[k]);
         }
         new.put(s, new.take(s, &ready.slope[0]), &mut self.slope[0]);
         new.put(s, new.take(s, &ready.slope[1]), &mut self.slope[1]);
-        new.put(s, new.take(s, &ready.depth), &mut self.depth);
+        new.put(s, new.take(s, &ready.along), &mut self.along);
         new.put(s, new.take(s, &ready.longest), &mut self.longest);
         new.put(s, new.take(s, &ready.t_min), &mut self.t_min);
         new.put(s, new.take(s, &ready.t_max), &mut self.best_t);

@@ -1,4 +1,4 @@
-//! 16 pairs of a ray and a triangle.
+//! 16 pairs of a ray and a triangle. Read `geometry/intersect.rs` first: a lane computes what the test there does.
 
 use super::answers::Answers;
 use super::slots::Slots;
@@ -22,19 +22,21 @@ pub(super) unsafe fn test<S: Simd, N: LaneNodes, A: Answers>(
     triangle: S::U,
     count: usize,
 ) {
+    // The corners in each ray's frame.
     let longest = s.pick(&slots.longest.0, slot);
     let frame = Frame {
         along_x: s.eq(longest, s.f32s(0.0)),
         along_y: s.eq(longest, s.f32s(1.0)),
-        x: s.pick(&slots.start[0].0, slot),
-        y: s.pick(&slots.start[1].0, slot),
-        z: s.pick(&slots.start[2].0, slot),
+        x: s.pick(&slots.frame_origin[0].0, slot),
+        y: s.pick(&slots.frame_origin[1].0, slot),
+        z: s.pick(&slots.frame_origin[2].0, slot),
         slope_x: s.pick(&slots.slope[0].0, slot),
         slope_y: s.pick(&slots.slope[1].0, slot),
     };
     // SAFETY: the caller says so.
     let [a, b, c] = unsafe { nodes.lane_corners(s, triangle) };
     let (a, b, c) = (frame.shear(s, a), frame.shear(s, b), frame.shear(s, c));
+    // f32 rejects what is certainly missed.
     let zero = s.f32s(0.0);
     let u = c[0] * b[1] - c[1] * b[0];
     let v = a[0] * c[1] - a[1] * c[0];
@@ -54,6 +56,7 @@ pub(super) unsafe fn test<S: Simd, N: LaneNodes, A: Answers>(
         return;
     }
 
+    // f64 decides the rest.
     let (ax, ay, az) = (s.widen(a[0]), s.widen(a[1]), s.widen(a[2]));
     let (bx, by, bz) = (s.widen(b[0]), s.widen(b[1]), s.widen(b[2]));
     let (cx, cy, cz) = (s.widen(c[0]), s.widen(c[1]), s.widen(c[2]));
@@ -64,9 +67,9 @@ pub(super) unsafe fn test<S: Simd, N: LaneNodes, A: Answers>(
     let below = s.lt_f64(u, zero) | s.lt_f64(v, zero) | s.lt_f64(w, zero);
     let above = s.lt_f64(zero, u) | s.lt_f64(zero, v) | s.lt_f64(zero, w);
     let det = u + v + w;
-    let depth = s.widen(s.pick(&slots.depth.0, slot));
-    let per_depth = s.f64s(1.0) / (det * depth);
-    let t = s.narrow((u * az + v * bz + w * cz) * per_depth);
+    let along = s.widen(s.pick(&slots.along.0, slot));
+    let per_along = s.f64s(1.0) / (det * along);
+    let t = s.narrow((u * az + v * bz + w * cz) * per_along);
     let (t_min, best) = (s.pick(&slots.t_min.0, slot), s.pick(&slots.best_t.0, slot));
     let hit = left & !(below & above) & !s.eq_f64(det, zero) & s.le(t_min, t) & s.le(t, best);
     let mut hits = s.bits(hit);
@@ -74,11 +77,12 @@ pub(super) unsafe fn test<S: Simd, N: LaneNodes, A: Answers>(
         return;
     }
 
+    // Hits are rare: they are taken one by one.
     let (mut ts, mut us, mut vs) = ([0.0; 16], [0.0; 16], [0.0; 16]);
     let (mut slot_of, mut triangles) = ([0; 16], [0; 16]);
     s.store(t, &mut ts);
     if !A::ANY || conditions.filter.is_some() {
-        let per_det = depth * per_depth;
+        let per_det = along * per_along;
         s.store(s.narrow(v * per_det), &mut us);
         s.store(s.narrow(w * per_det), &mut vs);
     }
@@ -107,7 +111,7 @@ struct Frame<S: Simd> {
 }
 
 impl<S: Simd> Frame<S> {
-    /// As `Shear::apply`, for a corner.
+    /// A corner in the ray's frame: `Shear::apply` of one corner, a ray a lane.
     #[inline(always)]
     fn shear(&self, s: S, [x, y, z]: [S::F; 3]) -> [S::F; 3] {
         let deep = self.pick(s, x, y, z) - self.z;

@@ -1,4 +1,4 @@
-//! One step of 16 rays: each visits its node.
+//! One step of 16 rays: each visits its node. Read `single.rs` first: a lane takes the decisions that its ray takes there.
 
 use super::leaves::Queue;
 use super::slots::{Each, SLOTS, Slots};
@@ -77,12 +77,14 @@ pub(super) fn step<S: Simd, N: LaneNodes>(
     let exit = s.smaller(limit, s.load(&slots.exit.0[at..]));
     let top = s.load_u32(&slots.top.0[at..]);
 
+    // 1. Which lanes still look at their node: what lies behind the best hit is passed over.
     let here = live & s.le(enter, limit);
     let inner = here & !node.leaf;
     count(|c| {
         let visited = u64::from(s.bits(here).count_ones());
         (c.nodes, c.ray_nodes, c.node_lanes) = (c.nodes + visited, c.ray_nodes + visited, c.node_lanes + 16);
     });
+    // 2. Leaves and T-references wait in the queue; their lanes go on.
     let numbers = s.load_u32(&SLOT_NUMBERS[at..]);
     queue.push_leaves(s, here & node.leaf & node.filled, numbers, address);
     if N::T_REFERENCES {
@@ -93,9 +95,10 @@ pub(super) fn step<S: Simd, N: LaneNodes>(
         }
     }
 
+    // 3. Inner nodes: where the ray meets the plane's slab, and which children that means.
     let LaneStep { axis, split, left, right, .. } = node;
     let (is_y, is_z) = (s.eq_u32(axis, s.u32s(1)), s.eq_u32(axis, s.u32s(2)));
-    let origin = along(s, is_y, is_z, &slots.origin, at);
+    let origin = along(s, is_y, is_z, &slots.plane_origin, at);
     let inverse = along(s, is_y, is_z, &slots.inverse, at);
     let slack = along(s, is_y, is_z, &slots.slack, at);
     let middle = (split - origin) * inverse;
@@ -105,6 +108,7 @@ pub(super) fn step<S: Simd, N: LaneNodes>(
     let both = inner & !near_only & !far_only;
     let down = s.lt(inverse, s.f32s(0.0));
     let (near, far) = (s.select_u32(down, right, left), s.select_u32(down, left, right));
+    // 4. Every lane reads the entry on top of its stack and writes its far child above it; the masks below say which of both counts.
     let top_at = &slots.top.0[at..];
     // SAFETY: a ray has at most as many entries as the tree is deep, and there are guards below and above.
     let [popped, popped_enter, popped_exit, _] = unsafe {
@@ -123,6 +127,7 @@ pub(super) fn step<S: Simd, N: LaneNodes>(
     let top = s.select_u32(both, top + entries, s.select_u32(pop & !emptied, top - entries, top));
     s.store_u32(top, &mut slots.top.0[at..]);
 
+    // 5. Where each lane goes next.
     let descended = s.select_u32(far_only, far, near);
     let narrowed = s.select(both, s.smaller(last, exit), exit);
     s.store_u32(s.select_u32(inner, descended, popped), &mut slots.address.0[at..]);
