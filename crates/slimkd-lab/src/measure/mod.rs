@@ -13,6 +13,8 @@ mod sweep;
 mod trees;
 
 pub use frames::{Cpu, Device, DeviceError, Frame, Ready, frames, whitted};
+#[cfg(feature = "page")]
 pub(crate) use pictures::slug;
 pub use session::{Session, day};
+#[cfg(feature = "page")]
 pub(crate) use store::write;
