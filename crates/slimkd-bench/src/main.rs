@@ -2,7 +2,8 @@
 
 use anyhow::{Context, Result};
 use clap::Parser;
-use slimkd_bench::{alloc::Counting, args::Args, report, run};
+use slimkd_lab::bench::{args::Args, report, run};
+use slimkd_util::alloc::Counting;
 use std::io::{ErrorKind, Write as _};
 use std::process::ExitCode;
 

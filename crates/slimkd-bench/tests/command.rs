@@ -1,6 +1,6 @@
 //! The program itself: what it prints, what it writes.
 
-use slimkd_bench::report::Report;
+use slimkd_lab::bench::report::Report;
 use std::process::{Command, Output};
 
 const SMALL: [&str; 12] = [

@@ -2,15 +2,15 @@
 
 use clap::Parser;
 use slimkd::{Preset, Ray, TriangleMesh};
-use slimkd_bench::agree::Judge;
-use slimkd_bench::args::Args;
-use slimkd_bench::built::{Contender, Found, Traced};
-use slimkd_bench::report::{Point, Report};
-use slimkd_bench::rng::Rng;
-use slimkd_bench::soup::soup;
-use slimkd_bench::vector::{Vec64, cross, dot, sub, wide};
-use slimkd_bench::workload::Kind;
-use slimkd_bench::{peers, report, run};
+use slimkd_lab::basics::soup::soup;
+use slimkd_lab::basics::vector::{Vec64, cross, dot, sub, wide};
+use slimkd_lab::bench::agree::Judge;
+use slimkd_lab::bench::args::Args;
+use slimkd_lab::bench::built::{Contender, Found, Traced};
+use slimkd_lab::bench::report::{Point, Report};
+use slimkd_lab::bench::{peers, report, run};
+use slimkd_lab::workload::Kind;
+use slimkd_util::Rng;
 use std::sync::Arc;
 
 /// Every triangle, in double precision.
@@ -65,7 +65,7 @@ fn agrees(name: &str, mesh: &TriangleMesh, traced: &dyn Traced, rays: &[Ray], ex
         fn any(&self, rays: &[Ray], blocked: &mut [bool]) {
             rays.iter().zip(blocked).for_each(|(ray, slot)| *slot = brute_force(self.0, ray).is_hit());
         }
-        fn bytes(&self, _counted: u64) -> slimkd_bench::built::Bytes {
+        fn bytes(&self, _counted: u64) -> slimkd_lab::bench::built::Bytes {
             unreachable!("the truth takes no room")
         }
     }

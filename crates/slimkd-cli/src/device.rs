@@ -4,13 +4,14 @@
 mod gpu;
 
 use crate::failure::Failure;
-use crate::kernel::Kernel;
 use crate::ui::Ui;
 use clap::ValueEnum;
-use slimkd::{Aabb, Hit, KdTree, Ray};
+use slimkd::KdTree;
+use slimkd_lab::Progress;
+pub(crate) use slimkd_lab::measure::rates::RayTracer as Tracer;
+use slimkd_lab::measure::rates::{Kernel, RayDevice};
+use slimkd_lab::measure::{self, DeviceError, Ready};
 use slimkd_render::{Film, RenderError, RenderProgress, RenderSettings, Setup};
-use slimkd_report::Progress;
-use slimkd_report::measure::{self, DeviceError, Ready};
 use slimkd_scene::{Camera, Scene};
 
 /// A device, as the command line names it.
@@ -37,16 +38,6 @@ pub(crate) trait Device {
     fn scene<'d>(&'d self, scene: &Scene, tree: &KdTree) -> Result<Box<dyn Renderer + 'd>, String>;
 }
 
-/// Traces rays. All seconds are those of the kernels.
-pub(crate) trait Tracer {
-    /// The closest hits.
-    fn closest(&self, rays: &[Ray], hits: &mut [Option<Hit>]) -> Result<f64, String>;
-    /// How far its t may lie from the CPU's.
-    fn t_bound(&self, ray: &Ray, bounds: &Aabb, t: f32) -> f32;
-    /// Whether there are hits.
-    fn any(&self, rays: &[Ray], hits: &mut [bool]) -> Result<f64, String>;
-}
-
 /// Renders pictures.
 pub(crate) trait Renderer {
     /// A picture and the seconds of its kernels; `None` once it was cancelled.
@@ -69,6 +60,15 @@ pub(crate) fn quieten() {}
 #[cfg(not(feature = "gpu"))]
 fn adapter() -> Result<Box<dyn Device>, String> {
     Err("this slimkd was built without its feature gpu; build it with that".to_owned())
+}
+
+/// A device, as what measures rates sees it.
+pub(crate) struct Traces<'d>(pub(crate) &'d dyn Device);
+
+impl RayDevice for Traces<'_> {
+    fn tree<'d>(&'d self, tree: &KdTree) -> Result<Box<dyn Tracer + 'd>, String> {
+        self.0.tree(tree)
+    }
 }
 
 /// A device, as what measures frames sees it.

@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use crate::interrupt::{self, Interruptible};
+use slimkd_util::whole_file;
 use std::fs::{self, File, OpenOptions};
 use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -65,19 +66,7 @@ impl Output {
     }
 
     fn beside(&self) -> Result<NamedTempFile, Failure> {
-        let folder = match self.target.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".slimkd-").suffix(".part");
-        #[cfg(unix)]
-        {
-            // The default of 0600 is for secrets; the umask still applies to this.
-            use std::os::unix::fs::PermissionsExt;
-            builder.permissions(fs::Permissions::from_mode(0o666));
-        }
-        builder.tempfile_in(folder).map_err(|error| unwritable(&self.target, &error))
+        whole_file::beside(&self.target).map_err(|error| unwritable(&self.target, &error))
     }
 }
 
@@ -90,9 +79,7 @@ impl Draft {
                 // On the disk before it gets the old file's name: after a power cut there is the old file or this one.
                 file.0.as_file().sync_all().map_err(|error| unwritable(&path, &error))?;
                 interrupt::check()?;
-                file.0.persist(&path).map_err(|error| unwritable(&path, &error.error))?;
-                sync_folder(&path);
-                Ok(())
+                whole_file::appear(file.0, &path).map_err(|error| unwritable(&path, &error))
             }
             Self::InPlace(mut writer, path) => writer.flush().map_err(|error| unwritable(&path, &error)),
         }
@@ -113,13 +100,6 @@ impl Write for Draft {
             Self::InPlace(writer, _) => writer.flush(),
         }
     }
-}
-
-/// Brings the rename itself to the disk, where folders can be opened for that.
-fn sync_folder(path: &Path) {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    // The new file is in place either way: a file system that cannot do this loses at most the rename.
-    let _ = File::open(folder).and_then(|folder| folder.sync_all());
 }
 
 /// The error for a target that the operating system refuses.

@@ -4,7 +4,8 @@ use crate::savings::Savings;
 use crate::trees::{Tree, thread_count};
 use crate::ui::{bytes, grouped};
 use serde::Serialize;
-use slimkd::{HoistAlgorithm, Layout, MemoryReport, TreeStatistics};
+use slimkd::{HoistAlgorithm, Layout, TreeStatistics};
+use slimkd_lab::schema::{self, Nodes, References};
 use slimkd_scene::{MeshCheck, Warning};
 use std::fmt::Write;
 use std::num::NonZeroUsize;
@@ -50,31 +51,12 @@ struct Sah {
 }
 
 #[derive(Debug, Serialize)]
-struct Nodes {
-    inner: u64,
-    t_inner: u64,
-    leaf: u64,
-    empty_leaf: u64,
-}
-
-#[derive(Debug, Serialize)]
-struct References {
-    leaf_4byte: u64,
-    leaf_2byte: u64,
-    leaf_other: u64,
-    t: u64,
-}
-
-#[derive(Debug, Serialize)]
 struct Bytes {
-    nodes: u64,
-    t_references: u64,
-    indices: u64,
+    #[serde(flatten)]
+    parts: schema::Bytes,
     /// No layout of today needs a way back to public ids, copies of triangles or coded geometry; scripts expect the keys.
     id_map: u64,
     triangle_copies: u64,
-    other: u64,
-    tree: u64,
     mesh: u64,
     geometry: u64,
     resident: u64,
@@ -140,18 +122,9 @@ struct Seconds {
 impl Report {
     /// The report on a tree that `threads` threads worked on.
     pub(crate) fn new(tree: &Tree, threads: Option<NonZeroUsize>) -> Self {
-        let TreeStatistics {
-            triangles,
-            degenerate,
-            nodes,
-            leaf_references,
-            t_references,
-            max_depth,
-            sah_cost,
-            ..
-        } = tree.statistics;
+        let statistics = &tree.statistics;
+        let TreeStatistics { triangles, degenerate, max_depth, sah_cost, .. } = *statistics;
         let memory = tree.tree.memory();
-        let MemoryReport { nodes: node_bytes, t_references: t_bytes, indices, other, mesh, .. } = memory;
         let options = tree.tree.options();
         Self {
             schema: SCHEMA,
@@ -163,27 +136,13 @@ impl Report {
                 intersection: options.sah.intersection,
                 empty_bonus: options.sah.empty_bonus,
             },
-            nodes: Nodes {
-                inner: nodes.inner,
-                t_inner: nodes.t_inner,
-                leaf: nodes.leaf,
-                empty_leaf: nodes.empty_leaf,
-            },
-            references: References {
-                leaf_4byte: leaf_references.four_byte,
-                leaf_2byte: leaf_references.two_byte,
-                leaf_other: leaf_references.other,
-                t: t_references,
-            },
+            nodes: statistics.into(),
+            references: statistics.into(),
             bytes: Bytes {
-                nodes: node_bytes,
-                t_references: t_bytes,
-                indices,
+                parts: (&memory).into(),
                 id_map: 0,
                 triangle_copies: 0,
-                other,
-                tree: memory.tree(),
-                mesh,
+                mesh: memory.mesh,
                 geometry: 0,
                 resident: memory.resident(),
                 build_peak: tree.cost.map(|cost| cost.peak),
@@ -275,16 +234,16 @@ impl Report {
         );
         rows.add("depth", format!("{} at most; SAH cost {:.1}", self.max_depth, self.sah_cost));
         for (name, count) in [
-            ("nodes", size.nodes),
-            ("T-references", size.t_references),
-            ("indices", size.indices),
-            ("other", size.other),
+            ("nodes", size.parts.nodes),
+            ("T-references", size.parts.t_references),
+            ("indices", size.parts.indices),
+            ("other", size.parts.other),
         ] {
             if count > 0 {
                 rows.add(&format!("  {name}"), amount(count, per_triangle(count)));
             }
         }
-        rows.add("tree", amount(size.tree, per_triangle(size.tree)));
+        rows.add("tree", amount(size.parts.tree, per_triangle(size.parts.tree)));
         rows.add("mesh", amount(size.mesh, per_triangle(size.mesh)));
         rows.add("resident", amount(size.resident, per_triangle(size.resident)));
         if let Some(peak) = size.build_peak {

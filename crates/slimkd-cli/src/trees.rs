@@ -1,6 +1,5 @@
 //! From a scene to a tree, or a tree from its file, with everything that reports say about it.
 
-use crate::allocator::Watermark;
 use crate::args::{TreeArgs, listed};
 use crate::failure::Failure;
 use crate::interrupt;
@@ -10,6 +9,7 @@ use slimkd::{
     BuildError, BuildOptions, CompletenessError, KdTree, Layout, Preset, Progress, TreeStatistics,
     TriangleMesh,
 };
+use slimkd_util::alloc;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::time::Instant;
@@ -69,11 +69,11 @@ pub(crate) fn build(
 ) -> Result<Tree, Failure> {
     interrupt::check()?;
     let progress = Progress::new();
-    let (mark, started) = (Watermark::start(), Instant::now());
+    let started = Instant::now();
     let label = options.preset.name();
-    let tree =
-        ui.watch(label, &progress, || KdTree::build_with_progress(Arc::clone(mesh), options, &progress));
-    let cost = Cost { seconds: started.elapsed().as_secs_f64(), peak: mark.peak() };
+    let work = || KdTree::build_with_progress(Arc::clone(mesh), options, &progress);
+    let (tree, allocated) = alloc::count(|| ui.watch(label, &progress, work));
+    let cost = Cost { seconds: started.elapsed().as_secs_f64(), peak: allocated.peak };
     let tree = tree.map_err(|error| match error {
         BuildError::Cancelled => Failure::Interrupted,
         other => Failure::work(format_args!("{}: {other}{}", origin.place, advice(&other, options))),

@@ -3,6 +3,7 @@
 use crate::tone::Development;
 use glam::Vec3;
 use image::{ImageBuffer, ImageFormat, Rgb};
+use slimkd_util::whole_file;
 use std::io::{BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -126,16 +127,7 @@ impl Film {
         if path.is_dir() {
             return Err(fail("it is a folder".into()));
         }
-        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".slimkd-").suffix(".part");
-        #[cfg(unix)]
-        {
-            // As any new file: the process's mask applies. The default of temporary files is private.
-            use std::os::unix::fs::PermissionsExt;
-            builder.permissions(std::fs::Permissions::from_mode(0o666));
-        }
-        let mut file = builder.tempfile_in(folder).map_err(|e| fail(e.to_string()))?;
+        let mut file = whole_file::beside(path).map_err(|e| fail(e.to_string()))?;
         let mut to = BufWriter::new(file.as_file_mut());
         match format {
             FileFormat::Png => self.write_png(&mut to, development, depth),
@@ -144,7 +136,8 @@ impl Film {
         .and_then(|()| to.flush().map_err(|e| e.to_string()))
         .map_err(fail)?;
         drop(to);
-        file.persist(path).map(|_| ()).map_err(|e| fail(e.error.to_string()))
+        let put = file.as_file().sync_all().and_then(|()| whole_file::appear(file, path));
+        put.map_err(|e| fail(e.to_string()))
     }
 
     /// Encodes a PNG.

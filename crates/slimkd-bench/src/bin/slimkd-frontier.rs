@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use clap::Parser;
-use slimkd_report::{output, plots::frontier};
+use slimkd_lab::report::{output, plots::frontier};
 use std::path::PathBuf;
 use std::process::ExitCode;
 

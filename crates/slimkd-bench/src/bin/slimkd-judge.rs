@@ -3,12 +3,13 @@
 use anyhow::{Result, ensure};
 use clap::Parser;
 use rayon::prelude::*;
-use slimkd::{BuildOptions, Hit, InstructionSet, KdTree, Preset, Ray, Tracer, TriangleMesh};
-use slimkd_bench::args::Args as BenchArgs;
-use slimkd_bench::peers::own::OwnTree;
-use slimkd_bench::scene;
-use slimkd_bench::truth::{Truth, Verdicts};
-use slimkd_bench::workload::{Kind, Recipe, generate};
+use slimkd::{BuildOptions, Hit, InstructionSet, KdTree, Preset, Ray, Tracer};
+use slimkd_lab::bench::args::Args as BenchArgs;
+use slimkd_lab::bench::built::Traced;
+use slimkd_lab::bench::peers::own::OwnTree;
+use slimkd_lab::bench::scene;
+use slimkd_lab::bench::truth::{Truth, Verdicts};
+use slimkd_lab::workload::{Found, Kind, Recipe, generate, primary};
 use std::process::ExitCode;
 
 /// Rays of a batch.
@@ -55,14 +56,15 @@ fn work(args: &Args) -> Result<bool> {
     let trees = [build(Preset::Standard)?, build(Preset::Slim)?];
     let own = OwnTree { tree: trees[0].clone(), isa: InstructionSet::best() };
     let view = scene::view(&bench, &scene, &trees[0])?;
-    let recipe = Recipe { view, size: PILOT, random_rays: args.rays, seed: args.seed };
-    let recipe = Recipe { size: picture_size(&scene.mesh, &own, &recipe)?, ..recipe };
+    let pilot = Recipe::picture(view, PILOT, args.rays, args.seed);
+    let recipe = Recipe { size: picture_size(&own, &pilot)?, ..pilot };
+    let closest = |rays: &[Ray], found: &mut [Found]| own.closest(rays, found);
     let truth = Truth::new(&scene.mesh);
     let mut right = true;
     println!("| scene | rays | traced | hits | kernels differ | borderline | invented | missing |");
     println!("|---|---|---|---|---|---|---|---|");
     for &kind in Kind::ALL {
-        let rays = &generate(&scene.mesh, &own, &recipe, &[kind]).workloads[0].rays;
+        let rays = &generate(&scene.mesh, &closest, &recipe, &[kind]).workloads[0].rays;
         let pieces = rays.par_chunks(PIECE).map(|rays| judge(&trees, &truth, kind, rays));
         let (differ, verdicts) = pieces.reduce(
             || (0, Verdicts::default()),
@@ -87,8 +89,8 @@ fn work(args: &Args) -> Result<bool> {
 }
 
 /// Pixels along one side of a picture on which enough camera rays hit something: shadow and bounce rays begin there.
-fn picture_size(mesh: &TriangleMesh, tree: &OwnTree, pilot: &Recipe) -> Result<usize> {
-    let rays = generate(mesh, tree, pilot, &[Kind::Primary]).workloads.swap_remove(0).rays;
+fn picture_size(tree: &OwnTree, pilot: &Recipe) -> Result<usize> {
+    let rays = primary(pilot);
     let hits = rays.iter().filter(|ray| tree.tree.any(ray)).count();
     ensure!(hits > 0, "the camera sees nothing of this scene");
     let needed = (MARGIN * pilot.random_rays as f64 * rays.len() as f64 / hits as f64).sqrt().ceil();

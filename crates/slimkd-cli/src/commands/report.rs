@@ -8,9 +8,9 @@ use crate::saved::is_saved;
 use crate::ui::{Ui, Watched};
 use crate::{cameras, scenes};
 use clap::Args;
-use slimkd_report::data::{Options, Peers};
-use slimkd_report::measure::Session;
-use slimkd_report::{Progress, ReportError, output};
+use slimkd_lab::measure::Session;
+use slimkd_lab::schema::{Options, Peers};
+use slimkd_lab::{Progress, ReportError, report::output};
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -155,7 +155,7 @@ fn measure(
     triangles: Option<NonZeroU32>,
     very_large: bool,
     ui: Ui,
-) -> Result<slimkd_report::data::Scene, Failure> {
+) -> Result<slimkd_lab::schema::Scene, Failure> {
     let details = SceneDetails {
         triangles: triangles.filter(|_| scenes::find(path).is_some()),
         mesh: None,

@@ -51,7 +51,7 @@ impl Device for slimkd_gpu::Device {
 
     fn tree<'d>(&'d self, tree: &KdTree) -> Result<Box<dyn Tracer + 'd>, String> {
         match GpuTree::upload(self, tree, &UploadOptions::default()) {
-            Ok(tree) => Ok(Box::new(tree)),
+            Ok(tree) => Ok(Box::new(OnGpu(tree))),
             Err(error) => Err(error.to_string()),
         }
     }
@@ -64,11 +64,12 @@ impl Device for slimkd_gpu::Device {
     }
 }
 
-impl Tracer for GpuTree<'_> {
+/// A tree on a GPU, as what measures rates sees it.
+struct OnGpu<'a>(GpuTree<'a>);
+
+impl Tracer for OnGpu<'_> {
     fn closest(&self, rays: &[Ray], hits: &mut [Option<Hit>]) -> Result<f64, String> {
-        GpuTree::closest(self, rays, hits)
-            .map(|time| time.kernels.as_secs_f64())
-            .map_err(|error| error.to_string())
+        self.0.closest(rays, hits).map(|time| time.kernels.as_secs_f64()).map_err(|error| error.to_string())
     }
 
     fn t_bound(&self, ray: &Ray, bounds: &Aabb, t: f32) -> f32 {
@@ -76,9 +77,7 @@ impl Tracer for GpuTree<'_> {
     }
 
     fn any(&self, rays: &[Ray], hits: &mut [bool]) -> Result<f64, String> {
-        GpuTree::any(self, rays, hits)
-            .map(|time| time.kernels.as_secs_f64())
-            .map_err(|error| error.to_string())
+        self.0.any(rays, hits).map(|time| time.kernels.as_secs_f64()).map_err(|error| error.to_string())
     }
 }
 

@@ -6,14 +6,14 @@ mod runner;
 use crate::args::{CameraArgs, SceneArgs, Size, TuningArgs, preset, threads, within};
 use crate::device::{self, Choice, Device};
 use crate::failure::Failure;
-use crate::kernel::Kernel;
 use crate::trees::Tree;
 use crate::ui::Ui;
 use crate::{cameras, scenes, trees, ui};
 use clap::Args;
 use report::Report;
-use runner::{Bench, MOST_RAYS, Steps};
+use runner::{Bench, Steps};
 use slimkd::Preset;
+use slimkd_lab::measure::rates::{Kernel, MOST_RAYS};
 use std::num::NonZeroUsize;
 
 const EXAMPLES: &str = "\
@@ -27,9 +27,9 @@ Examples:
   slimkd bench tree.skd                 a saved tree alone
   slimkd bench tree.skd --presets slim,tiny     beside others of the same mesh
 
-Workloads: primary (camera rays, closest hit), shadow (from there to a light, any hit),
-bounce (from there, cosine-distributed, closest hit), random (segments across the scene,
-closest hit). All presets must give the same hits, bit by bit, before any rate is reported; a
+Workloads: primary (camera rays, closest hit), shadow (from there to a lamp above the camera, any hit),
+bounce (from there, cosine-distributed, closest hit), random (from random points of the
+scene's box in random directions, closest hit). All presets must give the same hits, bit by bit, before any rate is reported; a
 GPU must give the CPU's hits and pictures within its bounds. Its times are those of its kernels,
 by its own clock where it has one, and count as one thread.
 Rates are medians; compare them within one run only.";

@@ -15,7 +15,7 @@ pub(super) struct Report {
 
 #[derive(Serialize)]
 pub(super) struct Rate {
-    pub(super) preset: &'static str,
+    pub(super) preset: String,
     pub(super) kernel: &'static str,
     pub(super) device: &'static str,
     pub(super) threads: usize,
@@ -27,7 +27,7 @@ pub(super) struct Rate {
 
 #[derive(Serialize)]
 pub(super) struct FrameRate {
-    pub(super) preset: &'static str,
+    pub(super) preset: String,
     pub(super) device: &'static str,
     pub(super) threads: usize,
     pub(super) view: usize,
@@ -53,7 +53,7 @@ impl Report {
                     place(rate.device, rate.threads)
                 );
             }
-            let (rate, preset) = (rate.mrays_per_s, rate.preset);
+            let (rate, preset) = (rate.mrays_per_s, &rate.preset);
             let _ = writeln!(out, "  {preset:<12} {rate:>9.3} Mrays/s {:>7.3} x", rate / base);
         }
         let mut group = None;
@@ -70,7 +70,7 @@ impl Report {
                     size.height
                 );
             }
-            let (rate, preset) = (frame.frames_per_s, frame.preset);
+            let (rate, preset) = (frame.frames_per_s, &frame.preset);
             // As in the paper: 0.867 frames/s to 0.794 are 9.2 %.
             let loss = 100.0 * (base / rate - 1.0);
             let _ = writeln!(out, "  {preset:<12} {rate:>9.3} frames/s {:>10}", format!("({loss:.1} %)"));

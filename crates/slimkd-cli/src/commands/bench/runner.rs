@@ -3,30 +3,18 @@
 use super::report::{FrameRate, Rate};
 use crate::args::Size;
 use crate::cameras::View;
-use crate::device::{Device, Pictures, Tracer};
+use crate::device::{Device, Pictures, Traces};
 use crate::failure::Failure;
-use crate::kernel::Kernel;
-use crate::measure::{Answers, Named, agree, agree_with_cpu};
+use crate::interrupt;
 use crate::ui::{Ui, Watched, grouped};
-use crate::workloads::{self, Workload};
 use rayon::ThreadPool;
-use slimkd::Ray;
-use slimkd_report::measure::{self, Cpu, Frame, frames, whitted};
-use slimkd_report::median::median;
-use slimkd_report::{Progress, ReportError};
+use slimkd_lab::basics::median::median;
+use slimkd_lab::measure::rates::{self, Kernel, Named, Rates, RayDevice, Watch};
+use slimkd_lab::measure::{self, Cpu, Frame, frames, whitted};
+use slimkd_lab::{Progress, ReportError};
 use slimkd_scene::Scene;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-/// Seconds of tracing that a run may take by default, building aside: five presets then stay below a minute.
-const TIME: f64 = 40.0;
-/// Longest single run, s: more rays would not make a rate more certain.
-const LONGEST_RUN: f64 = 1.0;
-/// Fewest rays of a workload, unless there are no more: fewer than this is noise.
-const LEAST_RAYS: usize = 1 << 14;
-/// Most rays of a workload: the pixels of one picture.
-pub(super) const MOST_RAYS: usize = 1 << 20;
-/// Number of workloads.
-const WORKLOADS: usize = 4;
 /// Where rays are traced.
 const CPU: &str = "cpu";
 /// The same.
@@ -52,72 +40,42 @@ pub(super) struct Bench<'a> {
 impl Bench<'_> {
     /// The rates of all presets on all workloads.
     pub(super) fn rates(&self, steps: &Steps, ui: Ui) -> Result<Vec<Rate>, Failure> {
-        let uploaded = self.uploaded()?;
-        let workloads = self.workloads(&uploaded)?;
-        steps.expect(workloads.len() * (1 + self.rounds) * self.trees.len());
-        let mut hits = Vec::new();
-        for workload in &workloads {
-            let (count, alike) = if uploaded.is_empty() {
-                (agree(&self.pool, &self.trees, self.kernel, workload)?, "the same with all presets")
-            } else {
-                let count = agree_with_cpu(&self.pool, self.trees[0].1, &uploaded, workload)?;
-                (count, "the CPU's with all presets")
-            };
-            steps.done(self.trees.len());
-            let share = 100.0 * count as f64 / workload.rays.len().max(1) as f64;
-            let rays = grouped(workload.rays.len() as u64);
-            ui.note(format_args!("{}: {rays} rays, {share:.1} % hit, {alike}", workload.name));
-            hits.push(count);
-        }
-        let mut answers = Answers::with(self.kernel);
-        let mut rates = vec![vec![Vec::new(); self.trees.len()]; workloads.len()];
-        for round in 0..self.rounds {
-            for (workload, rates) in workloads.iter().zip(&mut rates) {
-                for turn in 0..self.trees.len() {
-                    // Another preset begins each time, so that none always runs in the wake of the same one.
-                    let index = (turn + round) % self.trees.len();
-                    let seconds = self.trace(&mut answers, &uploaded, index, &workload.rays, workload.any)?;
-                    rates[index].push(workload.rays.len() as f64 / seconds.max(1e-9) / 1e6);
-                    steps.done(1);
-                }
+        let cameras: Vec<_> = self.views.iter().map(|view| view.camera).collect();
+        let device = self.device.map(Traces);
+        let rates = Rates {
+            mesh: &self.scene.mesh,
+            trees: &self.trees,
+            cameras: &cameras,
+            pool: &self.pool,
+            kernel: self.kernel,
+            device: device.as_ref().map(|device| device as &dyn RayDevice),
+            rounds: self.rounds,
+            rays: self.rays,
+            watch: &Watching { steps, ui },
+        };
+        let rates = rates.measure().map_err(|error| match error {
+            ReportError::Camera(error) => {
+                Failure::work(format_args!("{}: {error} (--camera, --up)", self.place))
             }
-        }
-        let mut results = Vec::new();
-        for ((workload, hits), mut rates) in workloads.iter().zip(hits).zip(rates) {
-            for ((preset, _), rates) in self.trees.iter().zip(&mut rates) {
-                results.push(Rate {
-                    preset,
-                    kernel: self.kernel.name(),
-                    device: self.device_name(),
-                    threads: self.threads(),
-                    workload: workload.name,
-                    rays: workload.rays.len(),
-                    hits,
-                    mrays_per_s: median(rates).unwrap_or(f64::NAN),
-                });
-            }
-        }
-        Ok(results)
+            error => self.failed(error),
+        })?;
+        let rate = |rate: rates::Rate<'_>| Rate {
+            preset: rate.tree.to_owned(),
+            kernel: self.kernel.name(),
+            device: self.device_name(),
+            threads: self.threads(),
+            workload: rate.workload,
+            rays: rate.rays,
+            hits: rate.hits,
+            mrays_per_s: rate.mrays_per_s,
+        };
+        Ok(rates.into_iter().map(rate).collect())
     }
 
-    /// All trees on the device; none for the CPU.
-    fn uploaded(&self) -> Result<Vec<Box<dyn Tracer + '_>>, Failure> {
-        let Some(device) = self.device else { return Ok(Vec::new()) };
-        self.trees.iter().map(|(_, tree)| device.tree(tree).map_err(Failure::work)).collect()
-    }
-
-    /// Traces with tree number `index`, wherever that is done; the seconds that it took.
-    fn trace(
-        &self,
-        answers: &mut Answers,
-        uploaded: &[Box<dyn Tracer + '_>],
-        index: usize,
-        rays: &[Ray],
-        any: bool,
-    ) -> Result<f64, Failure> {
-        match uploaded.get(index) {
-            Some(tree) => answers.trace_on(tree.as_ref(), rays, any),
-            None => answers.trace(&self.pool, self.trees[index].1, rays, any),
+    fn failed(&self, error: ReportError) -> Failure {
+        match error {
+            ReportError::Cancelled => Failure::Interrupted,
+            error => Failure::work(error),
         }
     }
 
@@ -130,54 +88,10 @@ impl Bench<'_> {
         if self.device.is_some() { 1 } else { self.pool.current_num_threads() }
     }
 
-    /// The rays, as many as the time allows.
-    fn workloads(&self, uploaded: &[Box<dyn Tracer + '_>]) -> Result<Vec<Workload>, Failure> {
-        let tree = self.trees[0].1;
-        let mut answers = Answers::with(self.kernel);
-        let most = self.rays.unwrap_or(MOST_RAYS);
-        let mut primary = workloads::primary(&self.views, most)
-            .map_err(|error| Failure::work(format_args!("{}: {error} (--camera, --up)", self.place)))?;
-        let count = self.affordable(uploaded, &primary, false)?;
-        primary.truncate(count);
-        answers.trace(&self.pool, tree, &primary, false)?;
-        let mut workloads = workloads::all(self.scene, tree, &self.views, primary, answers.closest());
-        for workload in &mut workloads {
-            let count = self.affordable(uploaded, &workload.rays, workload.any)?;
-            workload.rays.truncate(count);
-        }
-        // A workload without a ray has no rate: the camera sees nothing, or no light.
-        workloads.retain(|workload| !workload.rays.is_empty());
-        Ok(workloads)
-    }
-
-    /// How many of these rays one run should trace, from the rate of the first preset on the first of them.
-    fn affordable(
-        &self,
-        uploaded: &[Box<dyn Tracer + '_>],
-        rays: &[Ray],
-        any: bool,
-    ) -> Result<usize, Failure> {
-        if self.rays.is_some() {
-            return Ok(rays.len());
-        }
-        let runs = self.trees.len() * (self.rounds + 1) * WORKLOADS;
-        let seconds = (TIME / runs as f64).min(LONGEST_RUN);
-        let sample = &rays[..rays.len().min(LEAST_RAYS)];
-        let mut answers = Answers::with(self.kernel);
-        // The first run warms the caches.
-        self.trace(&mut answers, uploaded, 0, &sample[..sample.len() / 2], any)?;
-        let took = self.trace(&mut answers, uploaded, 0, sample, any)?;
-        let count = (sample.len() as f64 / took.max(1e-9) * seconds) as usize;
-        Ok(count.clamp(LEAST_RAYS, MOST_RAYS).min(rays.len()))
-    }
-
     /// Pictures a second of all presets and views.
     pub(super) fn frames(&self, steps: &Steps) -> Result<Vec<FrameRate>, Failure> {
         steps.expect(self.views.len() * (1 + self.rounds) * self.trees.len());
-        let failed = |error| match error {
-            ReportError::Cancelled => Failure::Interrupted,
-            error => Failure::work(error),
-        };
+        let failed = |error| self.failed(error);
         let device: Box<dyn measure::Device + '_> = match self.device {
             Some(device) => Box::new(Pictures { device, optional: false }),
             None => Box::new(Cpu::new(self.threads()).map_err(failed)?),
@@ -196,7 +110,7 @@ impl Bench<'_> {
                 .map_err(failed)?;
             for ((preset, _), seconds) in self.trees.iter().zip(&seconds) {
                 results.push(FrameRate {
-                    preset,
+                    preset: (*preset).to_owned(),
                     device: self.device_name(),
                     threads: self.threads(),
                     view: view.number,
@@ -222,6 +136,31 @@ impl Steps {
 
     fn done(&self, steps: usize) {
         self.done.fetch_add(steps, Relaxed);
+    }
+}
+
+/// Rates, as the bar and the notes show them.
+struct Watching<'a> {
+    steps: &'a Steps,
+    ui: Ui,
+}
+
+impl Watch for Watching<'_> {
+    fn is_cancelled(&self) -> bool {
+        interrupt::pending()
+    }
+
+    fn expect(&self, steps: usize) {
+        self.steps.expect(steps);
+    }
+
+    fn done(&self, steps: usize) {
+        self.steps.done(steps);
+    }
+
+    fn compared(&self, workload: &str, rays: usize, per_cent: f64, alike: &str) {
+        let rays = grouped(rays as u64);
+        self.ui.note(format_args!("{workload}: {rays} rays, {per_cent:.1} % hit, {alike}"));
     }
 }
 

@@ -1,0 +1,20 @@
+//! Measuring, one unit of work after the other. Each is kept on disk before the next begins.
+
+mod ablation;
+mod frames;
+mod heat;
+mod pictures;
+pub mod rates;
+mod scaling;
+mod session;
+mod shape;
+mod store;
+mod sweep;
+mod trees;
+
+pub use frames::{Cpu, Device, DeviceError, Frame, Ready, frames, whitted};
+#[cfg(feature = "page")]
+pub(crate) use pictures::slug;
+pub use session::{Session, day};
+#[cfg(feature = "page")]
+pub(crate) use store::write;
