@@ -157,7 +157,7 @@ fn parse(
         Format::Ply => ply::parse(bytes, progress),
         Format::Obj => obj::parse(bytes, folder, progress),
         Format::Stl => stl::parse(bytes, progress),
-        Format::Gltf | Format::Glb => gltf::parse(format, bytes, folder, progress),
+        Format::Gltf | Format::Glb => gltf::parse(format, bytes, folder, None, progress),
     }?;
     if scene.materials.is_empty() {
         scene.materials.push(Material::default());
