@@ -1,6 +1,8 @@
 //! Meshes, rays and options out of arbitrary bytes.
 
-use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset, Ray, TriangleMesh};
+use slimkd::{
+    BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset, Ray, TreeBudget, TriangleMesh,
+};
 
 /// Bytes to decide by; zeros once they are used up.
 pub(crate) struct Input<'a> {
@@ -97,11 +99,21 @@ impl<'a> Input<'a> {
         }
         if more >> 4 & 3 == 3 && options.hoisting.is_some() {
             let mut hoisting = Hoisting::new(0.3, 0.3);
-            hoisting.algorithm = [HoistAlgorithm::Strip, HoistAlgorithm::Predict, HoistAlgorithm::Rebuild]
-                [usize::from(more >> 6) % 3];
+            hoisting.algorithm = [HoistAlgorithm::Strip, HoistAlgorithm::Rebuild][usize::from(more >> 6) % 2];
             options.hoisting = Some(hoisting);
         }
         options.leaf_at_most = u32::from(self.byte() % 6);
+        let bytes = self.byte();
+        if bytes & 1 == 1 {
+            options.byte_weight = f32::from(bytes >> 1) / 32.0;
+        }
+        options.max_tree = match self.byte() {
+            // One leaf of all 255 triangles takes less.
+            byte @ 0..64 => Some(TreeBudget::Bytes(4096 + 64 * u64::from(byte))),
+            byte @ 64..128 => Some(TreeBudget::BytesPerTriangle(8.0 + f32::from(byte - 64))),
+            128..192 => None,
+            _ => options.max_tree,
+        };
         options
     }
 }

@@ -5,7 +5,7 @@ mod input;
 mod resign;
 
 use input::Input;
-use slimkd::{BruteForce, BuildOptions, KdTree, Progress, Ray, TriangleMesh};
+use slimkd::{BruteForce, BuildOptions, KdTree, OpenTree, Progress, Ray, Tracer, TriangleMesh};
 use slimkd_scene::{Compression, FileKind, Format, load_bytes};
 use std::sync::{Arc, LazyLock};
 
@@ -36,23 +36,24 @@ pub fn skd(data: &[u8]) {
     if signed & 1 == 1 {
         resign::resign(&mut file);
     }
+    opened(&file, data);
     let Ok(tree) = KdTree::read(&mut &file[..]) else { return };
     let mut input = Input::new(data);
     for _ in 0..16 {
         let ray = input.ray(tree.mesh());
-        let all = tree.all_hits(&ray);
+        let all = tree.all(&ray);
         assert!(all.windows(2).all(|pair| pair[0].t <= pair[1].t));
-        tree.closest_hit(&ray);
-        tree.any_hit(&ray);
-        tree.closest_point(ray.origin, f32::INFINITY);
+        tree.closest(&ray);
+        tree.any(&ray);
+        tree.nearest(ray.origin, f32::INFINITY);
     }
     if tree.check_complete(&Progress::new()).is_ok() {
         // Then it answers as brute force does, whoever made it.
         let oracle = BruteForce::new(tree.mesh());
         for _ in 0..16 {
             let ray = input.ray(tree.mesh());
-            assert_eq!(tree.all_hits(&ray).len(), oracle.all_hits(&ray).len(), "{ray:?}");
-            assert_eq!(bits(tree.closest_hit(&ray)), bits(oracle.closest_hit(&ray)), "{ray:?}");
+            assert_eq!(tree.all(&ray).len(), oracle.all(&ray).len(), "{ray:?}");
+            assert_eq!(bits(tree.closest(&ray)), bits(oracle.closest(&ray)), "{ray:?}");
         }
     }
     let statistics = tree.statistics();
@@ -61,6 +62,27 @@ pub fn skd(data: &[u8]) {
     let mut again = Vec::new();
     tree.write(&mut again).unwrap();
     assert!(again == file, "two files for one tree");
+}
+
+/// A tree that nobody proved: every query ends, and where the whole file is a tree, it answers as that.
+fn opened(file: &[u8], data: &[u8]) {
+    let Ok(open) = OpenTree::open(file) else { return };
+    let proved = open.verify().ok();
+    let mut input = Input::new(data);
+    let rays: Vec<Ray> = (0..16).map(|_| input.ray(&TriangleMesh::default())).collect();
+    let mut hits = vec![None; rays.len()];
+    open.batch().coherent().closest(&rays, &mut hits);
+    for (ray, hit) in rays.iter().zip(&hits) {
+        let (all, nearest) = (open.all(ray), open.nearest(ray.origin, f32::INFINITY));
+        if let Some(tree) = &proved {
+            assert_eq!(bits(*hit), bits(tree.closest(ray)), "{ray:?}");
+            assert_eq!((open.any(ray), all), (tree.any(ray), tree.all(ray)), "{ray:?}");
+            assert_eq!(nearest, tree.nearest(ray.origin, f32::INFINITY), "{ray:?}");
+        }
+        let triangle = hit.map_or(7, |hit| hit.triangle);
+        assert!(open.triangle(triangle).is_some() || open.corners(triangle).is_none());
+    }
+    assert!(proved.is_none() || open.check().is_ok(), "what was proved is never broken");
 }
 
 /// Any mesh under any options says what brute force says.
@@ -112,37 +134,44 @@ fn bits(hit: Option<slimkd::Hit>) -> Option<(u32, u32, u32, u32)> {
 /// Streams and packets say what single rays say.
 fn compare_batches(tree: &KdTree, rays: &[Ray]) {
     let (mut hits, mut any) = (vec![None; rays.len()], vec![false; rays.len()]);
-    for coherent in [false, true] {
-        if coherent {
-            tree.closest_hits_coherent(rays, &mut hits);
-            tree.any_hits_coherent(rays, &mut any);
-        } else {
-            tree.closest_hits(rays, &mut hits);
-            tree.any_hits(rays, &mut any);
-        }
+    for (coherent, batch) in [(false, tree.batch()), (true, tree.batch().coherent())] {
+        batch.closest(rays, &mut hits);
+        batch.any(rays, &mut any);
         for (at, ray) in rays.iter().enumerate() {
-            let expected = tree.closest_hit(ray);
+            let expected = tree.closest(ray);
             assert_eq!(bits(hits[at]), bits(expected), "{:?} {coherent} {ray:?}", tree.options().preset);
             assert_eq!(any[at], expected.is_some(), "{:?} {coherent} {ray:?}", tree.options().preset);
+        }
+        // Every other ray leaves out what it hits, and a filter refuses every third triangle.
+        let own = |ray: &Ray| tree.closest(ray).map_or(u32::MAX, |hit| hit.triangle);
+        let except: Vec<u32> =
+            rays.iter().enumerate().map(|(at, ray)| if at % 2 == 0 { own(ray) } else { u32::MAX }).collect();
+        let accept = |at: usize, hit: &slimkd::Hit| hit.triangle as usize % 3 != at % 3;
+        batch.except(&except).closest(rays, &mut hits);
+        batch.except(&except).filter(&accept).any(rays, &mut any);
+        for (at, ray) in rays.iter().enumerate() {
+            let expected = tree.query().except(except[at]).closest(ray);
+            assert_eq!(bits(hits[at]), bits(expected), "{:?} {coherent} {ray:?}", tree.options().preset);
+            let expected = tree.query().except(except[at]).filter(&mut |hit| accept(at, hit)).any(ray);
+            assert_eq!(any[at], expected, "{:?} {coherent} {ray:?}", tree.options().preset);
         }
     }
 }
 
 fn compare(tree: &KdTree, oracle: &BruteForce<'_>, ray: &Ray) {
     let preset = tree.options().preset;
-    let expected = oracle.closest_hit(ray);
-    assert_eq!(bits(tree.closest_hit(ray)), bits(expected), "{preset:?} {ray:?}");
-    assert_eq!(tree.any_hit(ray), expected.is_some(), "{preset:?} {ray:?}");
-    let all = oracle.all_hits(ray);
-    assert_eq!(tree.all_hits(ray).len(), all.len(), "{preset:?} {ray:?}");
+    let expected = oracle.closest(ray);
+    assert_eq!(bits(tree.closest(ray)), bits(expected), "{preset:?} {ray:?}");
+    assert_eq!(tree.any(ray), expected.is_some(), "{preset:?} {ray:?}");
+    let all = oracle.all(ray);
+    assert_eq!(tree.all(ray).len(), all.len(), "{preset:?} {ray:?}");
     if let Some(own) = expected.map(|hit| hit.triangle) {
-        let rest = oracle.closest_hit_where(ray, |hit| hit.triangle != own);
-        assert_eq!(bits(tree.closest_hit_except(ray, own)), bits(rest), "{preset:?} {ray:?}");
+        let rest = oracle.query().filter(&mut |hit| hit.triangle != own).closest(ray);
+        assert_eq!(bits(tree.query().except(own).closest(ray)), bits(rest), "{preset:?} {ray:?}");
     }
     let nearest =
-        |point: Option<slimkd::ClosestPoint>| point.map(|point| (point.distance.to_bits(), point.triangle));
-    let [here, there] =
-        [oracle.closest_point(ray.origin, ray.t_max), tree.closest_point(ray.origin, ray.t_max)];
+        |point: Option<slimkd::NearestPoint>| point.map(|point| (point.distance.to_bits(), point.triangle));
+    let [here, there] = [oracle.nearest(ray.origin, ray.t_max), tree.nearest(ray.origin, ray.t_max)];
     assert_eq!(nearest(there), nearest(here), "{preset:?} {ray:?}");
 }
 

@@ -3,7 +3,7 @@
 use crate::built::Interface;
 use crate::variant::Variant;
 use crate::workload::Kind;
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use clap::{Parser, ValueEnum};
 use slimkd::{InstructionSet, Preset};
 use slimkd_scene::UpAxis;
@@ -145,13 +145,9 @@ impl Args {
             return Ok(presets);
         };
         for name in names {
-            match Preset::from_name(name) {
-                Some(preset) if presets.contains(&preset) => {}
-                Some(preset) => presets.push(preset),
-                None => {
-                    let known: Vec<&str> = Preset::ALL.iter().map(|preset| preset.name()).collect();
-                    bail!("`{name}` in --presets is none of {}", known.join(", "));
-                }
+            let preset: Preset = name.parse().context("in --presets")?;
+            if !presets.contains(&preset) {
+                presets.push(preset);
             }
         }
         Ok(presets)

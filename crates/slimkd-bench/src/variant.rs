@@ -1,7 +1,7 @@
 //! Trees beside the presets: `NAME=PRESET[,KEY=VALUE]…`, for sweeps, ablations and the tuning of constants.
 
 use anyhow::{Context, Result, bail, ensure};
-use slimkd::{BuildOptions, Clipping, Hoisting, Layout, Preset, Sweep, TreeBudget};
+use slimkd::{BuildOptions, Hoisting, Preset, TreeBudget};
 use std::str::FromStr;
 
 /// A named set of build options.
@@ -25,8 +25,9 @@ impl FromStr for Variant {
     fn from_str(text: &str) -> Result<Self> {
         let (name, rest) = text.split_once('=').context("expected NAME=PRESET[,KEY=VALUE]…")?;
         let mut words = rest.split(',');
-        let preset = words.next().and_then(Preset::from_name);
-        let mut options = BuildOptions::from(preset.with_context(|| format!("no such preset in `{text}`"))?);
+        let preset: Preset =
+            words.next().unwrap_or_default().parse().with_context(|| format!("in `{text}`"))?;
+        let mut options = BuildOptions::from(preset);
         for word in words {
             let (key, value) = word.split_once('=').with_context(|| format!("`{word}` is not KEY=VALUE"))?;
             set(&mut options, key, value).with_context(|| format!("`{word}` in `{text}`"))?;
@@ -54,27 +55,8 @@ fn set(options: &mut BuildOptions, key: &str, value: &str) -> Result<()> {
                 None => bail!("expected OCCUPANCY/FREQUENCY or none"),
             }
         }
-        "clipping" => {
-            options.clipping = match value {
-                "exact" => Clipping::Exact,
-                "box" => Clipping::Box,
-                least => Clipping::ExactFrom(least.parse()?),
-            }
-        }
-        "sweep" => {
-            options.sweep = match value {
-                "exact" => Sweep::Exact,
-                least => Sweep::BinnedFrom(least.parse()?),
-            }
-        }
-        "layout" => {
-            options.layout = match value {
-                "four-byte" => Layout::FourByte,
-                "two-byte" => Layout::TwoByte,
-                "dense" => Layout::Dense,
-                _ => bail!("expected four-byte, two-byte, or dense"),
-            }
-        }
+        "clipping" => options.clipping = value.parse()?,
+        "layout" => options.layout = value.parse()?,
         "per-triangle" => {
             options.max_tree = match value {
                 "none" => None,
@@ -83,7 +65,7 @@ fn set(options: &mut BuildOptions, key: &str, value: &str) -> Result<()> {
         }
         _ => bail!(
             "no such key; there are traversal, intersection, empty-bonus, leaf-at-most, byte-weight, collapse, \
-             hoisting, clipping, sweep, layout, per-triangle"
+             hoisting, clipping, layout, per-triangle"
         ),
     }
     Ok(())
@@ -92,6 +74,7 @@ fn set(options: &mut BuildOptions, key: &str, value: &str) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slimkd::Layout;
 
     #[test]
     fn keys_change_the_preset() {

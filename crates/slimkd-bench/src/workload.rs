@@ -186,13 +186,15 @@ fn random(bounds: &Aabb, recipe: &Recipe) -> Vec<Ray> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::peers::own::OwnTree;
     use crate::soup::soup;
-    use slimkd::{BuildOptions, KdTree};
+    use slimkd::{BuildOptions, InstructionSet, KdTree};
     use slimkd_scene::UpAxis;
 
     fn all(seed: u64) -> Rays {
         let mesh = soup(200, 3);
         let tree = KdTree::build(mesh.clone(), &BuildOptions::default()).unwrap();
+        let tree = OwnTree { tree, isa: InstructionSet::best() };
         let view = View::parse("0.5,0.5,3,0.5,0.5,0.5,30", UpAxis::Y).unwrap();
         generate(&mesh, &tree, &Recipe { view, size: 21, random_rays: 100, seed }, Kind::ALL)
     }

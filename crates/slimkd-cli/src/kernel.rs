@@ -1,7 +1,7 @@
 //! How rays are traced.
 
 use clap::ValueEnum;
-use slimkd::{Hit, KdTree, Ray};
+use slimkd::{Hit, Ray, Tracer};
 
 /// A traversal kernel. All give the same hits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -26,20 +26,20 @@ impl Kernel {
     }
 
     /// Closest hits of a batch.
-    pub(crate) fn closest(self, tree: &KdTree, rays: &[Ray], hits: &mut [Option<Hit>]) {
+    pub(crate) fn closest(self, tree: &dyn Tracer, rays: &[Ray], hits: &mut [Option<Hit>]) {
         match self {
-            Self::Single => rays.iter().zip(hits).for_each(|(ray, hit)| *hit = tree.closest_hit(ray)),
-            Self::Packet => tree.closest_hits_coherent(rays, hits),
-            Self::Stream => tree.closest_hits(rays, hits),
+            Self::Single => rays.iter().zip(hits).for_each(|(ray, hit)| *hit = tree.closest(ray)),
+            Self::Packet => tree.batch().coherent().closest(rays, hits),
+            Self::Stream => tree.batch().closest(rays, hits),
         }
     }
 
     /// Any-hit answers of a batch.
-    pub(crate) fn any(self, tree: &KdTree, rays: &[Ray], hits: &mut [bool]) {
+    pub(crate) fn any(self, tree: &dyn Tracer, rays: &[Ray], hits: &mut [bool]) {
         match self {
-            Self::Single => rays.iter().zip(hits).for_each(|(ray, hit)| *hit = tree.any_hit(ray)),
-            Self::Packet => tree.any_hits_coherent(rays, hits),
-            Self::Stream => tree.any_hits(rays, hits),
+            Self::Single => rays.iter().zip(hits).for_each(|(ray, hit)| *hit = tree.any(ray)),
+            Self::Packet => tree.batch().coherent().any(rays, hits),
+            Self::Stream => tree.batch().any(rays, hits),
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::kernel::Kernel;
 use crate::workloads::Workload;
 use rayon::ThreadPool;
 use rayon::prelude::*;
+use slimkd::Tracer as _;
 use slimkd::{Hit, KdTree, Ray};
 use std::time::Instant;
 
@@ -131,8 +132,7 @@ pub(crate) fn agree_with_cpu(
                 // The same but where a hit lies at an end of the range.
                 let moved = |t: f32, by: f32| if t.is_finite() { t + by * bound(t) } else { t };
                 let ends = |by: f32| ray.with_range(moved(ray.t_min, -by), moved(ray.t_max, by));
-                return other.any[index] != wanted.is_some()
-                    && tree.any_hit(&ends(1.0)) == tree.any_hit(&ends(-1.0));
+                return other.any[index] != wanted.is_some() && tree.any(&ends(1.0)) == tree.any(&ends(-1.0));
             }
             let found = other.closest[index];
             let same = match (wanted, found) {

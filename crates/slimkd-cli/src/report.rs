@@ -65,11 +65,13 @@ struct Bytes {
     nodes: u64,
     t_references: u64,
     indices: u64,
+    /// No layout of today needs a way back to public ids, copies of triangles or coded geometry; scripts expect the keys.
     id_map: u64,
     triangle_copies: u64,
     other: u64,
     tree: u64,
     mesh: u64,
+    geometry: u64,
     resident: u64,
     build_peak: Option<u64>,
 }
@@ -94,15 +96,7 @@ impl Report {
             ..
         } = tree.statistics;
         let memory = tree.tree.memory();
-        let MemoryReport {
-            nodes: node_bytes,
-            t_references: t_bytes,
-            indices,
-            id_map,
-            triangle_copies,
-            other,
-            mesh,
-        } = memory;
+        let MemoryReport { nodes: node_bytes, t_references: t_bytes, indices, other, mesh, .. } = memory;
         let options = tree.tree.options();
         Self {
             schema: SCHEMA,
@@ -130,11 +124,12 @@ impl Report {
                 nodes: node_bytes,
                 t_references: t_bytes,
                 indices,
-                id_map,
-                triangle_copies,
+                id_map: 0,
+                triangle_copies: 0,
                 other,
                 tree: memory.tree(),
                 mesh,
+                geometry: 0,
                 resident: memory.resident(),
                 build_peak: tree.cost.map(|cost| cost.peak),
             },
@@ -200,8 +195,6 @@ impl Report {
             ("nodes", size.nodes),
             ("T-references", size.t_references),
             ("indices", size.indices),
-            ("id map", size.id_map),
-            ("triangle copies", size.triangle_copies),
             ("other", size.other),
         ] {
             if count > 0 {
@@ -234,7 +227,6 @@ fn choices(tree: &Tree) -> String {
             hoisting.frequency,
             match hoisting.algorithm {
                 HoistAlgorithm::Rebuild => "rebuilt",
-                HoistAlgorithm::Predict => "predicted",
                 _ => "stripped",
             }
         ),

@@ -6,7 +6,7 @@ use crate::interrupt::Interruptible;
 use crate::scenes::{self, Loaded};
 use crate::ui::{Ui, grouped};
 use memmap2::Mmap;
-use slimkd::tree::FileError;
+use slimkd::FileError;
 use slimkd::{KdTree, OpenTree};
 use slimkd_scene::{Material, Scene};
 use std::fs::File;

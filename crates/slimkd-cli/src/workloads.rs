@@ -6,7 +6,7 @@
 
 use crate::cameras::View;
 use glam::{UVec2, Vec3};
-use slimkd::{Aabb, Hit, KdTree, Ray, TriangleMesh};
+use slimkd::{Aabb, Hit, KdTree, Ray, Tracer, TriangleMesh};
 use slimkd_render::{CameraError, PinholeFrame, default_lights};
 use slimkd_scene::{Camera, Light, Scene};
 
@@ -114,7 +114,7 @@ fn light(scene: &Scene, tree: &KdTree, camera: &Camera, up: Vec3, from: &[&Start
     let lights: Vec<Light> = scene.lights.iter().copied().chain(found.into_iter().skip(1).rev()).collect();
     let step = from.len().div_ceil(LIGHT_SAMPLE).max(1);
     let is_mixed = |light: &&Light| {
-        let mut blocked = from.iter().step_by(step).map(|start| tree.any_hit(&start.towards(light)));
+        let mut blocked = from.iter().step_by(step).map(|start| tree.any(&start.towards(light)));
         blocked.next().is_some_and(|first| blocked.any(|other| other != first))
     };
     lights.iter().find(is_mixed).or(lights.first()).copied()

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Tool, ray_file};
-use slimkd::{KdTree, Preset, Ray};
+use slimkd::{KdTree, Preset, Ray, Tracer};
 
 const SCENE: &str = "kitchen --triangles 3000";
 
@@ -46,7 +46,7 @@ fn closest_hits_are_the_library_s_bit_by_bit() {
     ray_file(&tool.path("rays.f32"), &rays);
     let expected: Vec<_> = rays
         .iter()
-        .map(|ray| match tree.closest_hit(ray) {
+        .map(|ray| match tree.closest(ray) {
             Some(hit) => [hit.t.to_bits(), hit.triangle, hit.u.to_bits(), hit.v.to_bits()],
             None => [f32::INFINITY.to_bits(), u32::MAX, 0, 0],
         })
@@ -74,7 +74,7 @@ fn any_hits_are_the_library_s() {
     let records = records(&std::fs::read(tool.path("hits.bin")).unwrap());
     assert_eq!(records.len(), rays.len());
     for (record, ray) in records.iter().zip(&rays) {
-        let hit = tree.any_hit(ray);
+        let hit = tree.any(ray);
         assert_eq!(record[0], if hit { 0 } else { f32::INFINITY.to_bits() });
         assert_eq!(record[1] != u32::MAX, hit);
     }
@@ -132,7 +132,7 @@ fn a_gpu_finds_what_the_library_finds() {
         assert_eq!(tool.run(&line).status, 0, "{line}");
         let records = records(&std::fs::read(tool.path("hits.bin")).unwrap());
         let unlike = records.iter().zip(&rays).filter(|(record, ray)| {
-            let wanted = tree.closest_hit(ray).map_or(u32::MAX, |hit| hit.triangle);
+            let wanted = tree.closest(ray).map_or(u32::MAX, |hit| hit.triangle);
             if kind == "any" { (record[1] == u32::MAX) != (wanted == u32::MAX) } else { record[1] != wanted }
         });
         // Triangles at the same t may change places.

@@ -7,7 +7,7 @@ mod rays;
 
 use common::{Tool, ray_file};
 use rayon::prelude::*;
-use slimkd::{BruteForce, Hit, Preset, TriangleMesh};
+use slimkd::{BruteForce, Hit, Preset, Tracer, TriangleMesh};
 use slimkd_scene::{LoadProgress, load, procedural};
 use std::path::Path;
 
@@ -37,7 +37,7 @@ fn check(scene: &str, mesh: &TriangleMesh) {
     let rays = rays::hard_rays(mesh, RAYS, 11);
     ray_file(&tool.path("rays.f32"), &rays);
     let oracle = BruteForce::new(mesh);
-    let expected: Vec<_> = rays.par_iter().map(|ray| nearest(&oracle.all_hits(ray))).collect();
+    let expected: Vec<_> = rays.par_iter().map(|ray| nearest(&oracle.all(ray))).collect();
     let hits = expected.iter().filter(|(hit, _)| hit.is_some()).count();
     let ties = expected.iter().filter(|(_, tie)| *tie).count();
     assert!(hits > RAYS / 2 && hits < RAYS && ties > 0, "{scene}: {hits} hits, {ties} ties prove too little");

@@ -2,7 +2,7 @@
 //! file or `NAME:TRIANGLES` of a built-in one. Prints how many hits are the same to the bit, how many are another triangle or t
 //! within the bound, and how many are neither, which must be 0.
 
-use slimkd::{KdTree, Preset, Ray};
+use slimkd::{KdTree, Preset, Ray, Tracer};
 use slimkd_gpu::{Device, GpuTree, UploadOptions, t_bound};
 use slimkd_scene::{LoadProgress, Scene, load, procedural};
 use std::error::Error;
@@ -21,8 +21,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let gpu = GpuTree::upload(&device, &tree, &UploadOptions::default())?;
         let rays = rays(&tree, count);
         let (mut wanted, mut found) = (vec![None; count], vec![None; count]);
-        tree.closest_hits(&rays, &mut wanted);
-        let time = gpu.closest_hits(&rays, &mut found)?;
+        tree.batch().closest(&rays, &mut wanted);
+        let time = gpu.closest(&rays, &mut found)?;
         let (mut same, mut near, mut neither) = (0, 0, 0);
         for ((ray, wanted), found) in rays.iter().zip(&wanted).zip(&found) {
             let close = |a: f32, b: f32| (a - b).abs() <= t_bound(ray, &tree.bounds(), a);
@@ -63,7 +63,7 @@ fn rays(tree: &KdTree, count: usize) -> Vec<Ray> {
         .map(|k| {
             let (from, to) = (point(), point());
             let ray = Ray::new(from, std::array::from_fn::<_, 3, _>(|k| to[k] - from[k]));
-            match tree.closest_hit(&ray) {
+            match tree.closest(&ray) {
                 Some(hit) if k % 2 == 1 => {
                     let (start, end) = (ray.at(hit.t), point());
                     Ray::new(start, std::array::from_fn::<_, 3, _>(|k| end[k] - start[k]))

@@ -1,6 +1,6 @@
 //! Tree and mesh as one run of 32-bit words: what is uploaded, and what the twin reads.
 
-use slimkd::{EncodedTree, KdTree};
+use slimkd::{EncodedTree, KdTree, Tracer};
 
 /// What the kernels know beside the words; a uniform buffer. Addresses count words of the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]

@@ -14,7 +14,7 @@
 //! };
 //! let gpu = GpuTree::upload(&device, &tree, &UploadOptions::default())?;
 //! let mut hits = [None];
-//! gpu.closest_hits(&[Ray::new([0.2, 0.2, 5.0], [0.0, 0.0, -1.0])], &mut hits)?;
+//! gpu.closest(&[Ray::new([0.2, 0.2, 5.0], [0.0, 0.0, -1.0])], &mut hits)?;
 //! assert_eq!(hits[0].unwrap().triangle, 0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

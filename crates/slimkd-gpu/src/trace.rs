@@ -110,7 +110,7 @@ impl<'d> GpuTree<'d> {
     ///
     /// # Panics
     /// When the slices differ in length.
-    pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) -> Result<GpuTime, GpuError> {
+    pub fn closest(&self, rays: &[Ray], hits: &mut [Option<Hit>]) -> Result<GpuTime, GpuError> {
         assert_eq!(rays.len(), hits.len(), "one hit slot a ray");
         self.trace(rays, false, |at, hit| hits[at] = hit)
     }
@@ -118,11 +118,11 @@ impl<'d> GpuTree<'d> {
     /// Whether each ray of a batch hits anything.
     ///
     /// # Errors
-    /// As [`GpuTree::closest_hits`].
+    /// As [`GpuTree::closest`].
     ///
     /// # Panics
     /// When the slices differ in length.
-    pub fn any_hits(&self, rays: &[Ray], hits: &mut [bool]) -> Result<GpuTime, GpuError> {
+    pub fn any(&self, rays: &[Ray], hits: &mut [bool]) -> Result<GpuTime, GpuError> {
         assert_eq!(rays.len(), hits.len(), "one answer slot a ray");
         self.trace(rays, true, |at, hit| hits[at] = hit.is_some())
     }

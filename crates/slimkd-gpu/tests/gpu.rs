@@ -3,7 +3,7 @@
 mod common;
 
 use common::{build, complaint, device, rays, scene};
-use slimkd::{KdTree, Preset, Ray};
+use slimkd::{KdTree, Preset, Ray, Tracer};
 use slimkd_gpu::twin::Twin;
 use slimkd_gpu::{Device, GpuError, GpuTree, Image, UploadOptions};
 
@@ -18,19 +18,19 @@ fn compare(device: &Device, tree: &KdTree, rays: &[Ray], options: &UploadOptions
     let gpu = GpuTree::upload(device, tree, options).unwrap();
     let mut closest = vec![None; rays.len()];
     let mut any = vec![false; rays.len()];
-    gpu.closest_hits(rays, &mut closest).unwrap();
-    gpu.any_hits(rays, &mut any).unwrap();
+    gpu.closest(rays, &mut closest).unwrap();
+    gpu.any(rays, &mut any).unwrap();
     let image = Image::new(tree).unwrap();
     let twin = Twin::new(&image, options.stack);
     let mut unlike_twin = 0;
     for ((ray, found), any) in rays.iter().zip(closest).zip(any) {
-        let wanted = tree.closest_hit(ray);
+        let wanted = tree.closest(ray);
         if let Some(complaint) = complaint(tree, ray, wanted, found) {
-            panic!("{ray:?}: {complaint}; the twin says {:?}", twin.closest_hit(ray));
+            panic!("{ray:?}: {complaint}; the twin says {:?}", twin.closest(ray));
         }
         let any = if any { found.or(wanted) } else { None };
         assert_eq!(complaint(tree, ray, wanted, any), None, "any hit of {ray:?}");
-        unlike_twin += usize::from(found != twin.closest_hit(ray));
+        unlike_twin += usize::from(found != twin.closest(ray));
     }
     // A GPU may divide inexactly in the last step of t, u and v.
     assert!(unlike_twin * 1000 <= rays.len(), "{unlike_twin} of {} unlike the twin", rays.len());
@@ -76,7 +76,7 @@ fn too_large_and_lost_are_errors() {
     let gpu = GpuTree::upload(&device, &tree, &UploadOptions::default()).unwrap();
     device.destroy();
     let mut hits = [None];
-    let error = gpu.closest_hits(&[Ray::new([0.0; 3], [1.0, 0.0, 0.0])], &mut hits).unwrap_err();
+    let error = gpu.closest(&[Ray::new([0.0; 3], [1.0, 0.0, 0.0])], &mut hits).unwrap_err();
     assert!(matches!(error, GpuError::Lost(_)), "{error}");
     let again = GpuTree::upload(&device, &tree, &UploadOptions::default()).unwrap_err();
     assert!(matches!(again, GpuError::Lost(_)), "{again}");

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{build, complaint, rays, scene};
-use slimkd::{KdTree, Preset};
+use slimkd::{KdTree, Preset, Tracer};
 use slimkd_gpu::Image;
 use slimkd_gpu::twin::Twin;
 
@@ -18,11 +18,11 @@ fn the_twin_agrees_with_the_cpu_for_every_preset_and_stack() {
             let twin = Twin::new(&image, stack);
             let mut other_bits = 0;
             for ray in &rays {
-                let (wanted, found) = (tree.closest_hit(ray), twin.closest_hit(ray));
+                let (wanted, found) = (tree.closest(ray), twin.closest(ray));
                 if let Some(complaint) = complaint(&tree, ray, wanted, found) {
                     panic!("{}, stack of {stack}, {ray:?}: {complaint}", preset.name());
                 }
-                let any = if twin.any_hit(ray) { found.or(wanted) } else { None };
+                let any = if twin.any(ray) { found.or(wanted) } else { None };
                 assert_eq!(complaint(&tree, ray, wanted, any), None, "any hit of {ray:?}");
                 other_bits += usize::from(wanted != found);
             }
@@ -35,5 +35,5 @@ fn the_twin_agrees_with_the_cpu_for_every_preset_and_stack() {
 fn an_empty_mesh_misses() {
     let tree = KdTree::build(slimkd::TriangleMesh::default(), &Preset::Slim.into()).unwrap();
     let image = Image::new(&tree).unwrap();
-    assert_eq!(Twin::new(&image, 4).closest_hit(&slimkd::Ray::new([0.0; 3], [1.0, 0.0, 0.0])), None);
+    assert_eq!(Twin::new(&image, 4).closest(&slimkd::Ray::new([0.0; 3], [1.0, 0.0, 0.0])), None);
 }

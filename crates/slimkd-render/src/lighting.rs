@@ -6,7 +6,7 @@ use crate::progress::RenderStatistics;
 use crate::sampling;
 use crate::shade::{Seen, Shader};
 use glam::Vec3;
-use slimkd::{Hit, Ray};
+use slimkd::{Hit, Ray, Tracer};
 
 /// Transparent surfaces that a shadow ray may pass before it counts as blocked.
 const MAX_TRANSPARENT: u32 = 32;
@@ -76,7 +76,7 @@ impl Lighting {
         counts.shadow += self.rays.len() as u64;
         self.blocked.clear();
         self.blocked.resize(self.rays.len(), false);
-        shader.tree.any_hits_coherent(&self.rays, &mut self.blocked);
+        shader.tree.batch().coherent().any(&self.rays, &mut self.blocked);
         self.visible.clear();
         self.visible.extend(self.blocked.iter().map(|&blocked| f32::from(!blocked)));
     }
@@ -94,7 +94,7 @@ impl Lighting {
             counts.shadow += left.len() as u64;
             self.hits.clear();
             self.hits.resize(left.len(), None);
-            shader.tree.closest_hits_coherent(&self.rays, &mut self.hits);
+            shader.tree.batch().coherent().closest(&self.rays, &mut self.hits);
             let (mut kept, mut going) = (Vec::new(), Vec::new());
             for ((&ray, mut way), hit) in left.iter().zip(std::mem::take(&mut self.rays)).zip(&self.hits) {
                 let Some(hit) = hit else { continue };
@@ -155,7 +155,7 @@ impl Lighting {
         counts.occlusion += self.rays.len() as u64;
         self.hits.clear();
         self.hits.resize(self.rays.len(), None);
-        shader.tree.closest_hits(&self.rays, &mut self.hits);
+        shader.tree.batch().closest(&self.rays, &mut self.hits);
         for (&from, hit) in self.from.iter().zip(&self.hits) {
             // Blockers fade with distance, or else every room would be dark.
             self.open[from] += hit.map_or(1.0, |hit| hit.t / reach) / count as f32;

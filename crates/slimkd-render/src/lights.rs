@@ -2,7 +2,7 @@
 
 use crate::camera::PinholeFrame;
 use glam::{Vec2, Vec3};
-use slimkd::{Hit, KdTree, Ray};
+use slimkd::{Hit, KdTree, Ray, Tracer};
 use slimkd_scene::{Camera, Light};
 
 /// Edge of the grid of rays that looks at the scene before lights are set.
@@ -51,11 +51,11 @@ pub fn default_lights(tree: &KdTree, camera: &Camera, up: Vec3) -> Vec<Light> {
 
     let sunlit = seen.iter().filter(|(ray, hit)| {
         let point = Vec3::from(ray.at(hit.t * 0.999)) - sun * (diagonal * 1e-4);
-        !tree.any_hit(&Ray::new(point, -sun))
+        !tree.any(&Ray::new(point, -sun))
     });
     if !seen.is_empty() && (sunlit.count() as f32) < INDOORS * seen.len() as f32 {
         let base = eye_or(tree, camera.eye, camera.eye + forward * (median * 0.5));
-        let free = tree.closest_hit(&Ray::new(base, up)).map_or(median, |hit| hit.t.min(median));
+        let free = tree.closest(&Ray::new(base, up)).map_or(median, |hit| hit.t.min(median));
         let position = base + up * (LAMP_HEIGHT * free);
         let below = (1.0 - LAMP_HEIGHT) * free;
         let power = (LAMP * median * median).min(4.0 * GLARE * below * below);
@@ -71,7 +71,7 @@ fn probe(tree: &KdTree, frame: &PinholeFrame) -> Vec<(Ray, Hit)> {
     for index in 0..PROBES * PROBES {
         let cell = Vec2::new((index % PROBES) as f32, (index / PROBES) as f32);
         let ray = frame.ray((cell + 0.5) / PROBES as f32);
-        seen.extend(tree.closest_hit(&ray).map(|hit| (ray, hit)));
+        seen.extend(tree.closest(&ray).map(|hit| (ray, hit)));
     }
     seen.sort_by(|a, b| a.1.t.total_cmp(&b.1.t));
     seen
@@ -79,6 +79,6 @@ fn probe(tree: &KdTree, frame: &PinholeFrame) -> Vec<(Ray, Hit)> {
 
 /// `point` if the eye sees it, else the eye.
 fn eye_or(tree: &KdTree, eye: Vec3, point: Vec3) -> Vec3 {
-    let blocked = tree.any_hit(&Ray::new(eye, point - eye).with_range(0.0, 1.0));
+    let blocked = tree.any(&Ray::new(eye, point - eye).with_range(0.0, 1.0));
     if blocked { eye } else { point }
 }

@@ -36,7 +36,7 @@ pub(crate) fn leave(point: Vec3, normal: Vec3, distance: f32, direction: Vec3) -
 mod tests {
     use super::*;
     use crate::sampling::{hash, unit};
-    use slimkd::{BuildOptions, KdTree, Ray, TriangleMesh};
+    use slimkd::{BuildOptions, KdTree, Ray, Tracer, TriangleMesh};
 
     /// Triangles of all sizes, near and far, needles too: no ray that leaves one hits it again.
     #[test]
@@ -67,7 +67,7 @@ mod tests {
                     direction = ((b - a).normalize().as_vec3() + direction * 1e-3).normalize();
                 }
                 let origin = leave(hit, normal.as_vec3(), distance(&corners), direction);
-                assert!(!tree.any_hit(&Ray::new(origin, direction)), "{corners:?} {hit} {direction}");
+                assert!(!tree.any(&Ray::new(origin, direction)), "{corners:?} {hit} {direction}");
             }
         }
     }

@@ -7,7 +7,7 @@ use crate::settings::RenderSettings;
 use crate::tile::TILE;
 use glam::Vec3;
 use rayon::prelude::*;
-use slimkd::KdTree;
+use slimkd::{KdTree, Tracer};
 use slimkd_scene::{Camera, Light, Scene};
 use std::borrow::Cow;
 

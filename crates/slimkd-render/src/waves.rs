@@ -7,7 +7,7 @@ use crate::lighting::Lighting;
 use crate::progress::RenderStatistics;
 use crate::shade::{Path, Shader};
 use glam::Vec3;
-use slimkd::{Hit, Ray};
+use slimkd::{Hit, Ray, Tracer};
 
 /// Rays traced at once, at most. What is left waits on a stack, so that memory grows with the recursion's depth, not with
 /// the number of rays.
@@ -47,7 +47,7 @@ impl Waves {
             }
             self.hits.clear();
             self.hits.resize(rays.len(), None);
-            shader.tree.closest_hits_coherent(rays, &mut self.hits);
+            shader.tree.batch().coherent().closest(&*rays, &mut self.hits);
             let mut seen = Vec::with_capacity(rays.len());
             for ((ray, &path), hit) in rays.iter().zip(&*paths).zip(&self.hits) {
                 match hit.and_then(|hit| shader.seen(ray, path, &hit)) {

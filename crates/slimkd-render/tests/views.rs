@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use glam::Vec3;
-use slimkd::{BuildOptions, KdTree, Ray, TriangleMesh};
+use slimkd::{BuildOptions, KdTree, Ray, Tracer, TriangleMesh};
 use slimkd_render::{RenderProgress, RenderSettings, render, views};
 use slimkd_scene::{Camera, LoadProgress, Scene, load, procedural};
 use std::path::PathBuf;
@@ -23,7 +23,7 @@ fn coverage(scene: &Scene, tree: &KdTree, camera: &Camera) -> f64 {
     let hits = (0..64).filter(|k| {
         let across = |n: i32| ((n as f32 + 0.5) / 4.0 - 1.0) * slope;
         let direction = forward + right * across(k % 8) + right.cross(forward) * across(k / 8);
-        tree.any_hit(&Ray::new(camera.eye, direction))
+        tree.any(&Ray::new(camera.eye, direction))
     });
     hits.count() as f64 / 64.0
 }

@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         None => load(name.as_ref(), &LoadProgress::new())?.mesh,
     };
-    let preset = Preset::from_name(arg(1).unwrap_or("slim")).ok_or("no such preset")?;
+    let preset: Preset = arg(1).unwrap_or("slim").parse()?;
     let mut options = BuildOptions::from(preset);
     options.threads = arg(2).map(str::parse).transpose()?.and_then(NonZeroUsize::new);
     let cancels: u32 = arg(3).map_or(Ok(0), str::parse)?;

@@ -6,9 +6,11 @@ mod load;
 mod material;
 pub mod procedural;
 mod scene;
+mod warning;
 
 pub use camera::{Camera, UpAxis};
 pub use light::Light;
 pub use load::{Compression, FileKind, Format, LoadError, LoadProgress, Place, load, load_bytes};
 pub use material::{Material, Texture};
 pub use scene::{Attribute, Scene};
+pub use warning::{Warning, WarningKind};

@@ -1,6 +1,6 @@
 //! A scene: a mesh and what is needed to make a picture of it.
 
-use crate::{Camera, Light, Material, Texture, UpAxis};
+use crate::{Camera, Light, Material, Texture, UpAxis, Warning};
 use slimkd::TriangleMesh;
 use std::sync::Arc;
 
@@ -38,6 +38,10 @@ pub struct Scene {
     pub normals: Option<Attribute<[f32; 3]>>,
     /// Texture coordinates.
     pub uvs: Option<Attribute<[f32; 2]>>,
+    /// Colours of vertices or corners: sRGB and opacity, 0 to 255. The renderer does not show them yet.
+    pub colours: Option<Attribute<[u8; 4]>>,
+    /// Colour of each triangle, from formats that colour faces; empty: none has one.
+    pub face_colours: Vec<[u8; 4]>,
     /// Textures that materials refer to.
     pub textures: Vec<Texture>,
     /// Views that the file names; may be empty.
@@ -46,8 +50,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Which way is up; `None` when the format does not say.
     pub up: Option<UpAxis>,
-    /// What a file's loader left out or replaced, one line each: missing textures and the like.
-    pub warnings: Vec<String>,
+    /// What a file's loader left out, replaced or found odd: missing textures and the like.
+    pub warnings: Vec<Warning>,
 }
 
 impl Scene {

@@ -84,7 +84,7 @@ fn materials_and_textures_come_from_beside_the_file() {
     assert!((texels[0][1] - 0.2158605).abs() < 1e-5, "sRGB 128 is 0.2159 linear, not {}", texels[0][1]);
     // missing.mtl, the broken material twice (in the file, then in use), nothing.png
     assert_eq!(scene.warnings.len(), 4, "{:?}", scene.warnings);
-    assert!(scene.warnings.iter().all(|warning| !warning.contains('\n')));
+    assert!(scene.warnings.iter().all(|warning| !warning.text().contains('\n')));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! A scanner in a hilly field: many rays over all threads, every return along each of them.
 
 use rayon::prelude::*;
-use slimkd::{BuildOptions, KdTree, Ray, TriangleMesh};
+use slimkd::{BuildOptions, KdTree, Ray, Tracer, TriangleMesh};
 
 /// A field of `n` × `n` cells of one metre, hills of two metres.
 fn field(n: u32) -> TriangleMesh {
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let (azimuth, elevation) = ((i % 360) as f32, -0.5 * (i / 360) as f32);
             let (a, e) = (azimuth.to_radians(), elevation.to_radians());
             let ray = Ray::new([200.0, 200.0, 6.0], [a.cos() * e.cos(), a.sin() * e.cos(), e.sin()]);
-            tree.all_hits(&ray.with_range(0.5, 150.0)).len()
+            tree.all(&ray.with_range(0.5, 150.0)).len()
         })
         .collect();
     for count in 0..=3 {

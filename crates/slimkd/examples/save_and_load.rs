@@ -1,6 +1,6 @@
 //! Build once, keep the tree in a file, read it back.
 
-use slimkd::{BuildOptions, KdTree, Ray, TriangleMesh};
+use slimkd::{BuildOptions, KdTree, Ray, Tracer, TriangleMesh};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mesh = TriangleMesh::new(vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     std::fs::remove_file(&path)?;
 
     let ray = Ray::new([0.2, 0.2, 5.0], [0.0, 0.0, -1.0]);
-    assert_eq!(again.closest_hit(&ray), tree.closest_hit(&ray));
+    assert_eq!(again.closest(&ray), tree.closest(&ray));
     println!("{} bytes of tree, the same hits", again.memory().tree());
     Ok(())
 }

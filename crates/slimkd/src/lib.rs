@@ -1,15 +1,15 @@
 //! slimkd traces rays through large static triangle scenes with an SAH kd-tree that is as small as it is fast.
 //!
 //! ```
-//! use slimkd::{BuildOptions, KdTree, Preset, Ray, TriangleMesh};
+//! use slimkd::{BuildOptions, KdTree, Preset, Ray, Tracer, TriangleMesh};
 //!
 //! let mesh = TriangleMesh::new(vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
 //! let tree = KdTree::build(mesh, &BuildOptions::from(Preset::Standard))?;
 //!
 //! let ray = Ray::new([0.2, 0.2, 5.0], [0.0, 0.0, -1.0]);
-//! let hit = tree.closest_hit(&ray).expect("the ray points at the triangle");
+//! let hit = tree.closest(&ray).expect("the ray points at the triangle");
 //! assert_eq!((hit.triangle, hit.t), (0, 5.0));
-//! assert!(tree.any_hit(&ray));
+//! assert!(tree.any(&ray));
 //! println!("{} bytes of tree over {} of mesh", tree.memory().tree(), tree.memory().mesh);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -17,25 +17,47 @@
 //! # Who owns what
 //!
 //! A [`KdTree`] shares its [`TriangleMesh`] by [`Arc`](std::sync::Arc): hand in a mesh, or an `Arc` to keep using it. Both are
-//! immutable and `Send + Sync`: trace from any number of threads at once. Nothing is copied from the mesh into the tree.
+//! immutable and `Send + Sync`, so any number of threads can trace at once. Nothing is copied from the mesh into the tree. Loading
+//! files is the task of the crate `slimkd-scene`.
+//!
+//! # Asking
+//!
+//! All questions are in the trait [`Tracer`]: the verbs `closest`, `any`, `all`, `count` and `nearest`.
+//!
+//! - One ray: `tree.closest(&ray)`.
+//! - One ray with options: `tree.query().except(triangle).filter(&mut |hit| …).closest(&ray)`, see [`Query`].
+//! - Many rays: `tree.batch().coherent().threads(0).closest(&rays, &mut hits)`, see [`Batch`]. Batches trace several times as
+//!   fast as single rays. The hits are the same.
+//! - A hit in f64, with its point, its normal and its side: [`Tracer::refine`]. Values between vertices: [`Hit::interpolate`].
 //!
 //! # What a hit is
 //!
 //! A triangle's id is its position in the mesh. `t` counts in units of the ray's direction, which may have any length but 0;
 //! a hit has `t_min ≤ t ≤ t_max`; triangles are two-sided. The test is watertight, and its answer does not depend on the
-//! tree: every preset and thread count gives the same hit to the last bit, [`BruteForce`] too. Equal `t` goes to the
+//! tree: every preset, kernel and thread count gives the same hit to the last bit, [`BruteForce`] too. Equal `t` goes to the
 //! lowest id. Collinear triangles and those with a NaN or infinite corner keep their id and never hit.
 //!
-//! # Beyond the nearest hit
+//! # Ambient occlusion, shadows and other rays that start on a surface
 //!
-//! [`KdTree::any_hit`], [`KdTree::all_hits`]; with a filter, a mask or without the triangle that a ray starts on
-//! ([`KdTree::closest_hit_where`], [`KdTree::closest_hit_except`]); the nearest point of the mesh
-//! ([`KdTree::closest_point`]); t, u, v in f64 ([`TriangleMesh::refine`]).
+//! Leave out the triangle that a ray starts on, instead of moving `t_min`: no near hit is lost, and batches stay as fast.
+//!
+//! ```
+//! use slimkd::{BuildOptions, KdTree, Ray, Tracer, TriangleMesh};
+//! # let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
+//! # let tree = KdTree::build(TriangleMesh::new(corners, vec![[0, 1, 2], [3, 4, 5]])?, &BuildOptions::default())?;
+//! let seen = tree.closest(&Ray::new([0.2, 0.2, 0.5], [0.0, 0.0, -1.0])).unwrap();
+//! let start = [0.2, 0.2, 0.0];
+//! let rays = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.1], [-1.0, 0.0, 0.1]].map(|direction| Ray::new(start, direction));
+//! let mut occluded = [false; 3];
+//! tree.batch().except(&[seen.triangle; 3]).any(&rays, &mut occluded);
+//! assert_eq!(occluded, [true, false, false]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 //!
 //! # Keeping a tree
 //!
-//! [`KdTree::save`] and [`KdTree::load`], or [`KdTree::write`] and [`KdTree::read`] for any stream, with or without the
-//! mesh. Reading proves the whole file; [`OpenTree`] is ready at once over mapped bytes and checks each access.
+//! [`KdTree::save`] and [`KdTree::load`] keep a tree in a file, [`KdTree::write`] and [`KdTree::read`] in any stream, with or without
+//! the mesh. Reading proves the whole file. [`OpenTree`] is ready at once over mapped bytes and checks each access instead.
 //!
 //! # How small, how fast
 //!
@@ -43,28 +65,60 @@
 //! eighth of its size and never takes more than 10 bytes a triangle; [`Preset::Tiny`] is smaller still. [`BuildOptions::max_tree`]
 //! asks for a size. [`KdTree::memory`] says what a tree takes, exact to the byte; [`KdTree::statistics`] what it looks like.
 //!
-//! Batches trace faster than single rays: [`KdTree::closest_hits`] and [`KdTree::any_hits`] in any order,
-//! [`KdTree::closest_hits_coherent`] and [`KdTree::any_hits_coherent`] where neighbours go the same way. The hits are the same.
-//!
 //! # Building
 //!
 //! Builds run on the current rayon pool or on [`BuildOptions::threads`] threads; the tree's bytes are the same. A
 //! [`Progress`] tells another thread how far a build is, and cancels it. Depth is bounded only by the scene.
+//!
+//! # Vectors of other crates
+//!
+//! Points and directions are `[f32; 3]`, or anything that turns into it: glam's, nalgebra's and mint's types do. What comes back turns
+//! into theirs by `.into()`. [`Ray`] and [`Hit`] are plain old data for `bytemuck`: a slice of rays has the bytes of a `rays.f32` file.
+//!
+//! # Features
+//!
+//! | feature | default | what it adds |
+//! |---|---|---|
+//! | `rayon` | yes | builds and batches on several threads; without it the crate builds for `wasm32-unknown-unknown` |
+//! | `serde` | no | options, sizes, statistics, rays and hits as serde types |
+//! | `counters` | no | [`Counters`] of what kernels do; tracing is slower |
 
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;
 
-pub mod build;
-pub mod geometry;
-pub mod reduce;
-pub mod traverse;
-pub mod tree;
+mod construct;
+mod file;
+mod geometry;
+mod job;
+mod layout;
+mod options;
+mod plan;
+mod query;
+mod reduce;
+mod simd;
+mod threads;
+mod traverse;
+mod tree;
 
-pub use build::{
-    BuildError, BuildOptions, Clipping, Layout, Preset, Progress, SahConstants, Sweep, TreeBudget,
+#[doc(inline)]
+pub use file::{FileError, OpenTree};
+#[doc(inline)]
+pub use geometry::{Aabb, Hit, MeshError, Ray, RefinedHit, TriangleMesh};
+#[doc(inline)]
+pub use job::Progress;
+#[doc(inline)]
+pub use layout::EncodedTree;
+#[doc(inline)]
+pub use options::{
+    BuildError, BuildOptions, Clipping, Countable, HoistAlgorithm, Hoisting, Layout, Preset, SahConstants,
+    TreeBudget, UnknownName,
 };
-pub use geometry::{Aabb, MeshError, Ray, RefinedHit, TriangleMesh};
-pub use reduce::{CountedLeaves, HoistAlgorithm, Hoisting, OccupancyBase, WhenLeafRemains};
-pub use traverse::{BruteForce, ClosestPoint, Counters, Hit, InstructionSet, RayCost};
-pub use tree::{CompletenessError, EncodedTree, FileError, KdTree, MemoryReport, OpenTree, TreeStatistics};
+#[doc(inline)]
+pub use query::{Batch, BatchHits, BruteForce, HitColumns, Hits, Query, RayColumns, Rays, Tracer};
+#[doc(inline)]
+pub use simd::{InstructionSet, UnknownInstructionSet};
+#[doc(inline)]
+pub use traverse::{Counters, NearestPoint, RayCost};
+#[doc(inline)]
+pub use tree::{CompletenessError, KdTree, LeafReferences, MemoryReport, NodeCounts, TreeStatistics};

@@ -4,7 +4,7 @@
 mod common;
 
 use common::{hard_rays, push_box, soup, variants};
-use slimkd::{InstructionSet, KdTree, OpenTree, Progress, TriangleMesh};
+use slimkd::{InstructionSet, KdTree, OpenTree, Progress, Tracer, TriangleMesh};
 use std::sync::Arc;
 
 /// Shared planes, and leaves of more than one piece of ids.
@@ -21,18 +21,18 @@ fn every_query_on_every_kind_of_tree() {
         let mesh = Arc::new(mesh);
         let rays = hard_rays(&mesh, 83, 3);
         for (variant, options) in variants() {
-            let mut tree = KdTree::build(Arc::clone(&mesh), &options).unwrap();
-            let single: Vec<_> = rays.iter().map(|ray| tree.closest_hit(ray)).collect();
+            let tree = KdTree::build(Arc::clone(&mesh), &options).unwrap();
+            let single: Vec<_> = rays.iter().map(|ray| tree.closest(ray)).collect();
             let (mut hits, mut any) = (vec![None; rays.len()], vec![false; rays.len()]);
             for &set in InstructionSet::ALL.iter().filter(|set| set.is_available()) {
-                tree.set_instruction_set(set);
-                tree.closest_hits(&rays, &mut hits);
+                let batch = tree.batch().instruction_set(set);
+                batch.closest(&rays, &mut hits);
                 assert_eq!(hits, single, "{variant} {set:?}");
-                tree.closest_hits_coherent(&rays, &mut hits);
+                batch.coherent().closest(&rays, &mut hits);
                 assert_eq!(hits, single, "{variant} {set:?}");
-                tree.any_hits(&rays, &mut any);
+                batch.any(&rays, &mut any);
                 assert!(any.iter().zip(&single).all(|(any, hit)| *any == hit.is_some()));
-                tree.any_hits_coherent(&rays, &mut any);
+                batch.coherent().any(&rays, &mut any);
                 assert!(any.iter().zip(&single).all(|(any, hit)| *any == hit.is_some()));
             }
             let mut file = Vec::new();
@@ -41,9 +41,9 @@ fn every_query_on_every_kind_of_tree() {
             let read = open.verify_complete(&Progress::new()).unwrap();
             assert_eq!(read.statistics(), tree.statistics());
             for (ray, hit) in rays.iter().zip(&single) {
-                assert_eq!(open.closest_hit(ray).unwrap(), *hit);
-                assert_eq!(read.all_hits(ray).first(), hit.as_ref());
-                read.closest_point(ray.origin, 1.0);
+                assert_eq!(open.closest(ray), *hit);
+                assert_eq!(read.all(ray).first(), hit.as_ref());
+                read.nearest(ray.origin, 1.0);
             }
         }
     }

@@ -4,7 +4,7 @@ mod common;
 
 use cap::Cap;
 use common::{hard_rays, soup, sphere};
-use slimkd::{BuildError, BuildOptions, KdTree, Preset, Progress, TriangleMesh};
+use slimkd::{BuildError, BuildOptions, KdTree, Preset, Progress, Tracer, TriangleMesh};
 use std::alloc::System;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -37,7 +37,7 @@ fn ten_thousand_builds_leave_nothing_behind() {
     let round = || {
         for i in 0..1000 {
             let tree = build(&mesh, Preset::ALL[i % Preset::ALL.len()]);
-            std::hint::black_box(tree.closest_hit(&ray));
+            std::hint::black_box(tree.closest(&ray));
         }
     };
     round();
@@ -73,14 +73,14 @@ fn one_pool_serves_builds_and_traces_at_once() {
     let mesh = Arc::new(soup(1500, 1.0, 0.0, 1));
     let rays = hard_rays(&mesh, 300, 2);
     let tree = build(&mesh, Preset::Standard);
-    let hits: Vec<_> = rays.iter().map(|ray| tree.closest_hit(ray)).collect();
+    let hits: Vec<_> = rays.iter().map(|ray| tree.closest(ray)).collect();
     let expected = bytes(&tree);
     let building = AtomicBool::new(true);
     std::thread::scope(|scope| {
         let tracer = scope.spawn(|| {
             let mut rounds = 0;
             while building.load(Relaxed) || rounds == 0 {
-                let again: Vec<_> = pool.install(|| rays.iter().map(|ray| tree.closest_hit(ray)).collect());
+                let again: Vec<_> = pool.install(|| rays.iter().map(|ray| tree.closest(ray)).collect());
                 assert_eq!(again, hits);
                 rounds += 1;
             }

@@ -3,8 +3,9 @@
 use anyhow::{Result, ensure};
 use clap::Parser;
 use rayon::prelude::*;
-use slimkd::{BuildOptions, Hit, KdTree, Preset, Ray, TriangleMesh};
+use slimkd::{BuildOptions, Hit, InstructionSet, KdTree, Preset, Ray, Tracer, TriangleMesh};
 use slimkd_bench::args::Args as BenchArgs;
+use slimkd_bench::peers::own::OwnTree;
 use slimkd_bench::scene;
 use slimkd_bench::truth::{Truth, Verdicts};
 use slimkd_bench::workload::{Kind, Recipe, generate};
@@ -52,15 +53,16 @@ fn work(args: &Args) -> Result<bool> {
     let scene = scene::open(&bench)?;
     let build = |preset| KdTree::build(scene.mesh.clone(), &BuildOptions::from(preset));
     let trees = [build(Preset::Standard)?, build(Preset::Slim)?];
+    let own = OwnTree { tree: trees[0].clone(), isa: InstructionSet::best() };
     let view = scene::view(&bench, &scene, &trees[0])?;
     let recipe = Recipe { view, size: PILOT, random_rays: args.rays, seed: args.seed };
-    let recipe = Recipe { size: picture_size(&scene.mesh, &trees[0], &recipe)?, ..recipe };
+    let recipe = Recipe { size: picture_size(&scene.mesh, &own, &recipe)?, ..recipe };
     let truth = Truth::new(&scene.mesh);
     let mut right = true;
     println!("| scene | rays | traced | hits | kernels differ | borderline | invented | missing |");
     println!("|---|---|---|---|---|---|---|---|");
     for &kind in Kind::ALL {
-        let rays = &generate(&scene.mesh, &trees[0], &recipe, &[kind]).workloads[0].rays;
+        let rays = &generate(&scene.mesh, &own, &recipe, &[kind]).workloads[0].rays;
         let pieces = rays.par_chunks(PIECE).map(|rays| judge(&trees, &truth, kind, rays));
         let (differ, verdicts) = pieces.reduce(
             || (0, Verdicts::default()),
@@ -85,9 +87,9 @@ fn work(args: &Args) -> Result<bool> {
 }
 
 /// Pixels along one side of a picture on which enough camera rays hit something: shadow and bounce rays begin there.
-fn picture_size(mesh: &TriangleMesh, tree: &KdTree, pilot: &Recipe) -> Result<usize> {
+fn picture_size(mesh: &TriangleMesh, tree: &OwnTree, pilot: &Recipe) -> Result<usize> {
     let rays = generate(mesh, tree, pilot, &[Kind::Primary]).workloads.swap_remove(0).rays;
-    let hits = rays.iter().filter(|ray| tree.any_hit(ray)).count();
+    let hits = rays.iter().filter(|ray| tree.tree.any(ray)).count();
     ensure!(hits > 0, "the camera sees nothing of this scene");
     let needed = (MARGIN * pilot.random_rays as f64 * rays.len() as f64 / hits as f64).sqrt().ceil();
     ensure!(needed <= MOST, "the camera sees too little of this scene: name fewer rays");
@@ -102,25 +104,23 @@ fn judge(trees: &[KdTree], truth: &Truth<'_>, kind: Kind, rays: &[Ray]) -> (u64,
         differs.iter_mut().zip(same).for_each(|(differs, same)| *differs |= !same);
     };
     if kind.is_any() {
-        let reference: Vec<bool> = rays.iter().map(|ray| trees[0].any_hit(ray)).collect();
+        let reference: Vec<bool> = rays.iter().map(|ray| trees[0].any(ray)).collect();
         let mut answers = vec![false; rays.len()];
         for tree in trees {
-            compare(&mut rays.iter().zip(&reference).map(|(ray, answer)| tree.any_hit(ray) == *answer));
-            for batch in [KdTree::any_hits, KdTree::any_hits_coherent] {
-                batch(tree, rays, &mut answers);
+            compare(&mut rays.iter().zip(&reference).map(|(ray, answer)| tree.any(ray) == *answer));
+            for batch in [tree.batch(), tree.batch().coherent()] {
+                batch.any(rays, &mut answers);
                 compare(&mut answers.iter().zip(&reference).map(|(a, b)| a == b));
             }
         }
         rays.iter().zip(&reference).for_each(|(ray, &blocked)| verdicts += truth.any(ray, blocked));
     } else {
-        let reference: Vec<Option<Hit>> = rays.iter().map(|ray| trees[0].closest_hit(ray)).collect();
+        let reference: Vec<Option<Hit>> = rays.iter().map(|ray| trees[0].closest(ray)).collect();
         let mut answers = vec![None; rays.len()];
         for tree in trees {
-            compare(
-                &mut rays.iter().zip(&reference).map(|(ray, hit)| bits(&tree.closest_hit(ray)) == bits(hit)),
-            );
-            for batch in [KdTree::closest_hits, KdTree::closest_hits_coherent] {
-                batch(tree, rays, &mut answers);
+            compare(&mut rays.iter().zip(&reference).map(|(ray, hit)| bits(&tree.closest(ray)) == bits(hit)));
+            for batch in [tree.batch(), tree.batch().coherent()] {
+                batch.closest(rays, &mut answers);
                 compare(&mut answers.iter().zip(&reference).map(|(a, b)| bits(a) == bits(b)));
             }
         }

@@ -3,7 +3,7 @@
 pub mod embree;
 mod kdtree_ray;
 mod obvhs;
-mod own;
+pub mod own;
 mod parry;
 mod svenstaro;
 #[cfg(feature = "tinybvh")]

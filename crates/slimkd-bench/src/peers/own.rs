@@ -3,7 +3,7 @@
 use super::locked_version;
 use crate::built::{Bytes, Contender, Found, Info, Interface, PIECE, SizeSource, Traced};
 use crate::variant::Variant;
-use slimkd::{BuildOptions, InstructionSet, KdTree, Layout, Ray, TriangleMesh};
+use slimkd::{BuildOptions, InstructionSet, KdTree, Layout, Ray, Tracer, TriangleMesh};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -42,11 +42,8 @@ impl Contender for Own {
     fn build(&self, mesh: &Arc<TriangleMesh>, threads: usize) -> Result<Box<dyn Traced>, String> {
         let mut options = self.options.clone();
         options.threads = NonZeroUsize::new(threads);
-        let mut tree = KdTree::build(mesh.clone(), &options).map_err(|error| error.to_string())?;
-        if let Some(isa) = self.isa {
-            tree.set_instruction_set(isa);
-        }
-        Ok(Box::new(tree))
+        let tree = KdTree::build(mesh.clone(), &options).map_err(|error| error.to_string())?;
+        Ok(Box::new(OwnTree { tree, isa: self.isa.unwrap_or(InstructionSet::best()) }))
     }
 }
 
@@ -68,17 +65,25 @@ fn settings(options: &BuildOptions) -> String {
     format!("{references}, {leaves}, {collapse}; also returns u, v")
 }
 
-impl Traced for KdTree {
+/// A tree, and what its batches are traced with.
+pub struct OwnTree {
+    /// The tree.
+    pub tree: KdTree,
+    /// Of its batches.
+    pub isa: InstructionSet,
+}
+
+impl Traced for OwnTree {
     fn closest(&self, rays: &[Ray], found: &mut [Found]) {
         for (ray, slot) in rays.iter().zip(found) {
             *slot =
-                self.closest_hit(ray).map_or(Found::MISS, |hit| Found { t: hit.t, triangle: hit.triangle });
+                self.tree.closest(ray).map_or(Found::MISS, |hit| Found { t: hit.t, triangle: hit.triangle });
         }
     }
 
     fn any(&self, rays: &[Ray], blocked: &mut [bool]) {
         for (ray, slot) in rays.iter().zip(blocked) {
-            *slot = self.any_hit(ray);
+            *slot = self.tree.any(ray);
         }
     }
 
@@ -100,8 +105,10 @@ impl Traced for KdTree {
             own.extend_from_slice(rays);
             let traced = Instant::now();
             match interface {
-                Interface::Packet => self.closest_hits_coherent(&own, hits),
-                _ => self.closest_hits(&own, hits),
+                Interface::Packet => {
+                    self.tree.batch().instruction_set(self.isa).coherent().closest(&own, &mut *hits)
+                }
+                _ => self.tree.batch().instruction_set(self.isa).closest(&own, &mut *hits),
             }
             tracing += traced.elapsed();
             for (slot, hit) in found.iter_mut().zip(hits) {
@@ -124,8 +131,10 @@ impl Traced for KdTree {
             own.extend_from_slice(rays);
             let traced = Instant::now();
             match interface {
-                Interface::Packet => self.any_hits_coherent(&own, blocked),
-                _ => self.any_hits(&own, blocked),
+                Interface::Packet => {
+                    self.tree.batch().instruction_set(self.isa).coherent().any(&own, blocked)
+                }
+                _ => self.tree.batch().instruction_set(self.isa).any(&own, blocked),
             }
             tracing += traced.elapsed();
         }
@@ -133,16 +142,11 @@ impl Traced for KdTree {
     }
 
     fn bytes(&self, _counted: u64) -> Bytes {
-        let memory = self.memory();
-        Bytes {
-            structure: memory.tree() - memory.triangle_copies,
-            copies: memory.triangle_copies,
-            mesh_read: memory.mesh,
-            source: SizeSource::Exact,
-        }
+        let memory = self.tree.memory();
+        Bytes { structure: memory.tree(), copies: 0, mesh_read: memory.mesh, source: SizeSource::Exact }
     }
 
     fn kd_tree(&self) -> Option<&KdTree> {
-        Some(self)
+        Some(&self.tree)
     }
 }

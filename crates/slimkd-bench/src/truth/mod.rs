@@ -127,7 +127,7 @@ mod tests {
     use super::*;
     use crate::rng::Rng;
     use crate::soup::soup;
-    use slimkd::{BuildOptions, KdTree};
+    use slimkd::{BuildOptions, KdTree, Tracer};
 
     #[test]
     fn true_hits_are_right_and_planted_errors_are_found() {
@@ -140,7 +140,7 @@ mod tests {
         for _ in 0..20_000 {
             let origin = std::array::from_fn(|_| rng.between(-0.5, 1.5));
             let ray = Ray::new(origin, rng.direction());
-            let hit = tree.closest_hit(&ray);
+            let hit = tree.closest(&ray);
             right += truth.closest(&ray, hit);
             right += truth.any(&ray, hit.is_some());
             if let Some(hit) = hit {

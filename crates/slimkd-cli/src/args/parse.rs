@@ -1,6 +1,6 @@
 //! Values of options, parsed and checked.
 
-use slimkd::{Clipping, Layout, Sweep, TreeBudget};
+use slimkd::{Clipping, Layout, TreeBudget, UnknownName};
 use std::fmt::Display;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::ops::RangeInclusive;
@@ -97,76 +97,35 @@ fn number(text: &str, range: RangeInclusive<f32>) -> Result<f32, String> {
 }
 
 /// How triangles are bounded.
-pub(super) fn clipping(text: &str) -> Result<Clipping, String> {
-    match text {
-        "exact" => Ok(Clipping::Exact),
-        "box" => Ok(Clipping::Box),
-        number => number
-            .parse()
-            .map(Clipping::ExactFrom)
-            .map_err(|_| format!("expected exact, box, or a number from 0 to {}", u32::MAX)),
-    }
-}
-
-/// Which planes are looked at.
-pub(super) fn sweep(text: &str) -> Result<Sweep, String> {
-    match text {
-        "exact" => Ok(Sweep::Exact),
-        number => number
-            .parse()
-            .map(Sweep::BinnedFrom)
-            .map_err(|_| format!("expected exact, or a number from 0 to {}", u32::MAX)),
-    }
+pub(super) fn clipping(text: &str) -> Result<Clipping, UnknownName> {
+    text.parse()
 }
 
 /// The most that a tree may take; `None` for no bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TreeSize(pub(super) Option<TreeBudget>);
 
-/// Bytes for a tree: a [`bytes`] size, a number a triangle, or none.
+/// Bytes for a tree, or none.
 pub(super) fn tree_budget(text: &str) -> Result<TreeSize, String> {
     if text == "none" {
         return Ok(TreeSize(None));
     }
-    match text.strip_suffix("/tri") {
-        Some(each) => positive(each).map(TreeBudget::BytesPerTriangle),
-        None => bytes(text).map(TreeBudget::Bytes),
-    }
-    .map(|budget| TreeSize(Some(budget)))
-    .map_err(|_| "expected bytes such as 64MiB or 800000, bytes a triangle such as 6/tri, or none".into())
+    text.parse()
+        .map(|budget| TreeSize(Some(budget)))
+        .map_err(|_| "expected bytes such as 64MiB or 800000, bytes a triangle such as 6/tri, or none".into())
 }
 
 /// A number of bytes above 0, with or without a unit.
 pub(super) fn bytes(text: &str) -> Result<u64, String> {
-    const UNITS: [(&str, f64); 10] = [
-        ("KiB", 1024.0),
-        ("MiB", 1_048_576.0),
-        ("GiB", 1_073_741_824.0),
-        ("TiB", 1_099_511_627_776.0),
-        ("kB", 1e3),
-        ("KB", 1e3),
-        ("MB", 1e6),
-        ("GB", 1e9),
-        ("TB", 1e12),
-        ("B", 1.0),
-    ];
-    let (number, unit) = UNITS
-        .iter()
-        .find_map(|&(name, unit)| text.strip_suffix(name).map(|number| (number.trim_end(), unit)))
-        .unwrap_or((text, 1.0));
-    match number.parse::<f64>() {
-        Ok(number) if (1.0..1e18).contains(&(number * unit)) => Ok((number * unit) as u64),
+    match text.parse() {
+        Ok(TreeBudget::Bytes(bytes)) => Ok(bytes),
         _ => Err("expected a number from 1 to 1e18 bytes, such as 64MiB or 800000".into()),
     }
 }
 
-pub(super) fn layout(text: &str) -> Result<Layout, String> {
-    match text {
-        "four-byte" => Ok(Layout::FourByte),
-        "two-byte" => Ok(Layout::TwoByte),
-        "dense" => Ok(Layout::Dense),
-        _ => Err("expected four-byte, two-byte, or dense".into()),
-    }
+/// How the tree is written.
+pub(super) fn layout(text: &str) -> Result<Layout, UnknownName> {
+    text.parse()
 }
 
 #[cfg(test)]

@@ -1,12 +1,12 @@
 //! How a tree is built: the preset, and whatever is set in place of its own choices.
 
 use super::parse::{
-    TreeSize, bytes, clipping, fraction, layout, not_negative, positive, sweep, threads, tree_budget, within,
+    TreeSize, bytes, clipping, fraction, layout, not_negative, positive, threads, tree_budget, within,
 };
 use crate::failure::Failure;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset, Sweep};
+use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset};
 use std::num::NonZeroUsize;
 
 /// Everything that shapes one tree.
@@ -62,11 +62,8 @@ struct HoistingArgs {
     #[arg(long, value_name = "X", value_parser = fraction, allow_negative_numbers = true, help = frequency_help())]
     frequency: Option<f32>,
     /// Hoist by building subtrees anew, the paper's way: slower to build than stripping the finished tree
-    #[arg(long, conflicts_with = "predict")]
-    rebuild: bool,
-    /// Hoist while building, from estimates: faster to build than stripping the finished tree
     #[arg(long)]
-    predict: bool,
+    rebuild: bool,
 }
 
 /// Leaves and splits.
@@ -86,10 +83,6 @@ struct ShapeArgs {
     /// the preset's unless given
     #[arg(long, value_name = "exact|box|N", value_parser = clipping, allow_negative_numbers = true)]
     clipping: Option<Clipping>,
-    /// Which split planes are looked at: all, or in nodes of N triangles and more those beside the best border of bins. Faster
-    /// to build (33 is the least N that tells), and a little worse or better to trace
-    #[arg(long, value_name = "exact|N", value_parser = sweep, allow_negative_numbers = true)]
-    sweep: Option<Sweep>,
     /// How the tree is written: 8-byte nodes with 4-byte or also 2-byte references, or the dense layout, which holds no
     /// T-references: a tree that has some is written as two-byte, and hoisting options exclude it. The preset's unless given
     #[arg(long, value_name = "four-byte|two-byte|dense", value_parser = layout)]
@@ -137,8 +130,7 @@ impl TuningArgs {
     pub(crate) fn given(&self) -> Vec<&'static str> {
         let Self { sah, hoisting, shape } = self;
         let SahArgs { sah_traversal, sah_intersection, empty_bonus } = sah;
-        let ShapeArgs { collapse, byte_weight, leaf_at_most, clipping, sweep, layout, max_tree_bytes } =
-            shape;
+        let ShapeArgs { collapse, byte_weight, leaf_at_most, clipping, layout, max_tree_bytes } = shape;
         let costs = [
             ("--sah-traversal", sah_traversal.is_some()),
             ("--sah-intersection", sah_intersection.is_some()),
@@ -149,7 +141,6 @@ impl TuningArgs {
             ("--byte-weight", byte_weight.is_some()),
             ("--leaf-at-most", leaf_at_most.is_some()),
             ("--clipping", clipping.is_some()),
-            ("--sweep", sweep.is_some()),
             ("--layout", layout.is_some()),
             ("--max-tree-bytes", max_tree_bytes.is_some()),
         ];
@@ -168,7 +159,6 @@ impl TuningArgs {
         set(&mut options.byte_weight, shape.byte_weight);
         set(&mut options.leaf_at_most, shape.leaf_at_most);
         set(&mut options.clipping, shape.clipping);
-        set(&mut options.sweep, shape.sweep);
         options.collapse |= shape.collapse || shape.byte_weight.is_some();
         set(&mut options.layout, shape.layout);
         if let Some(most) = shape.max_tree_bytes {
@@ -194,12 +184,11 @@ pub(crate) fn listed(names: &[&str]) -> String {
 
 impl HoistingArgs {
     fn given(&self) -> Vec<&'static str> {
-        let Self { occupancy, frequency, rebuild, predict } = *self;
+        let Self { occupancy, frequency, rebuild } = *self;
         named(&[
             ("--occupancy", occupancy.is_some()),
             ("--frequency", frequency.is_some()),
             ("--rebuild", rebuild),
-            ("--predict", predict),
         ])
     }
 
@@ -211,10 +200,8 @@ impl HoistingArgs {
         let hoisting = hoisting.get_or_insert_with(usual_hoisting);
         set(&mut hoisting.occupancy, self.occupancy);
         set(&mut hoisting.frequency, self.frequency);
-        match (self.rebuild, self.predict) {
-            (true, _) => hoisting.algorithm = HoistAlgorithm::Rebuild,
-            (_, true) => hoisting.algorithm = HoistAlgorithm::Predict,
-            _ => {}
+        if self.rebuild {
+            hoisting.algorithm = HoistAlgorithm::Rebuild;
         }
     }
 }
@@ -254,7 +241,7 @@ fn preset_help() -> String {
 /// Parses a preset's name; the error and the help list them all.
 pub(crate) fn preset() -> impl TypedValueParser<Value = Preset> {
     PossibleValuesParser::new(Preset::ALL.iter().map(|preset| preset.name()))
-        .try_map(|name| Preset::from_name(&name).ok_or("unknown preset"))
+        .try_map(|name| name.parse::<Preset>())
 }
 
 /// What a ray asks for.
@@ -300,7 +287,6 @@ mod tests {
         assert_eq!(hoisting("--preset standard --frequency 0"), Hoisting::new(usual.occupancy, 0.0));
         assert_eq!(hoisting("--preset paper-small --frequency 1").occupancy, 0.5);
         assert_eq!(hoisting("--preset standard --rebuild").algorithm, HoistAlgorithm::Rebuild);
-        assert_eq!(hoisting("--preset paper-fast --predict").algorithm, HoistAlgorithm::Predict);
     }
 
     #[test]
@@ -319,8 +305,6 @@ mod tests {
         assert_eq!(standard("--max-tree-bytes 6/tri").max_tree, Some(TreeBudget::BytesPerTriangle(6.0)));
         assert_eq!(standard("--clipping box").clipping, Clipping::Box);
         assert_eq!(standard("--clipping exact").clipping, Clipping::Exact);
-        assert_eq!(standard("").sweep, Sweep::Exact);
-        assert_eq!(standard("--sweep 1000").sweep, Sweep::BinnedFrom(1000));
         assert_eq!(standard("--clipping 10000").clipping, Clipping::ExactFrom(10_000));
     }
 
@@ -335,7 +319,7 @@ mod tests {
         for fine in [
             "--layout dense",
             "--occupancy 0.5",
-            "--layout two-byte --predict",
+            "--layout two-byte --rebuild",
             "--preset paper-fast --layout dense",
         ] {
             assert_eq!(check(fine), Ok(()), "{fine}");
@@ -344,10 +328,11 @@ mod tests {
 
     #[test]
     fn what_is_given_has_names() {
-        let line = "--predict --preset tiny --sweep 40 --sah-traversal 3 --threads 2 --max-build-bytes 1GB";
+        let line =
+            "--rebuild --preset tiny --clipping 40 --sah-traversal 3 --threads 2 --max-build-bytes 1GB";
         let words = std::iter::once("tool").chain(line.split_whitespace());
         let given = Line::try_parse_from(words).unwrap().tree.given();
-        assert_eq!(given, ["--preset", "--sah-traversal", "--predict", "--sweep"]);
+        assert_eq!(given, ["--preset", "--sah-traversal", "--rebuild", "--clipping"]);
         assert_eq!(listed(&given[..2]), "--preset and --sah-traversal");
     }
 
@@ -367,8 +352,6 @@ mod tests {
             "--max-tree-bytes -1/tri",
             "--clipping tight",
             "--clipping -3",
-            "--sweep fast",
-            "--rebuild --predict",
             "--sah-traversal 0",
             "--empty-bonus -2",
         ] {

@@ -7,7 +7,7 @@ use crate::report::Report;
 use crate::savings::{self, Savings};
 use crate::{saved, scenes, trees, ui, ui::Ui};
 use clap::Args;
-use slimkd::tree::FileError;
+use slimkd::FileError;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\

@@ -116,6 +116,13 @@ enum Source {
 }
 
 impl Source {
+    fn tracer(&self) -> &dyn slimkd::Tracer {
+        match self {
+            Self::Proved(tree) => &**tree,
+            Self::Open(tree) => &**tree,
+        }
+    }
+
     fn of(args: &TraceArgs, ui: Ui) -> Result<Self, Failure> {
         let scene = &args.scene.scene;
         if args.no_verify {
@@ -147,15 +154,12 @@ impl Buffers {
         debug_assert!(self.rays.len() <= BATCH);
         self.records.resize(self.rays.len(), [0; 16]);
         let chunks = self.rays.par_chunks(CHUNK).zip(self.records.par_chunks_mut(CHUNK));
-        match tree {
-            Source::Proved(tree) => {
-                Ok(chunks.map(|(rays, records)| trace_chunk(tree, kernel, kind, rays, records)).sum())
-            }
-            Source::Open(tree) => {
-                let chunks = chunks.map(|(rays, records)| trace_unproved(tree, kind, rays, records));
-                chunks.try_reduce(|| 0, |a, b| Ok(a + b)).map_err(Failure::work)
-            }
+        let found =
+            chunks.map(|(rays, records)| trace_chunk(tree.tracer(), kernel, kind, rays, records)).sum();
+        if let Source::Open(tree) = tree {
+            tree.check().map_err(Failure::work)?;
         }
+        Ok(found)
     }
 
     /// The same on a GPU.
@@ -174,7 +178,13 @@ impl Buffers {
     }
 }
 
-fn trace_chunk(tree: &KdTree, kernel: Kernel, kind: Kind, rays: &[Ray], records: &mut [[u8; 16]]) -> u64 {
+fn trace_chunk(
+    tree: &dyn slimkd::Tracer,
+    kernel: Kernel,
+    kind: Kind,
+    rays: &[Ray],
+    records: &mut [[u8; 16]],
+) -> u64 {
     let mut found = 0;
     match kind {
         Kind::Closest => {
@@ -195,25 +205,6 @@ fn trace_chunk(tree: &KdTree, kernel: Kernel, kind: Kind, rays: &[Ray], records:
         }
     }
     found
-}
-
-/// Ray by ray: batches need a proved tree.
-fn trace_unproved(
-    tree: &OpenTree<Mmap>,
-    kind: Kind,
-    rays: &[Ray],
-    records: &mut [[u8; 16]],
-) -> Result<u64, slimkd::FileError> {
-    let mut found = 0;
-    for (ray, record) in rays.iter().zip(records) {
-        let hit;
-        (hit, *record) = match kind {
-            Kind::Closest => tree.closest_hit(ray).map(|hit| (hit.is_some(), encode_closest(hit)))?,
-            Kind::Any => tree.any_hit(ray).map(|hit| (hit, encode_any(hit)))?,
-        };
-        found += u64::from(hit);
-    }
-    Ok(found)
 }
 
 /// How far the file has been traced. Ctrl-C is looked at between batches, so there is nothing to cancel.

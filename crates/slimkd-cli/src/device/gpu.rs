@@ -66,7 +66,7 @@ impl Device for slimkd_gpu::Device {
 
 impl Tracer for GpuTree<'_> {
     fn closest(&self, rays: &[Ray], hits: &mut [Option<Hit>]) -> Result<f64, String> {
-        self.closest_hits(rays, hits)
+        GpuTree::closest(self, rays, hits)
             .map(|time| time.kernels.as_secs_f64())
             .map_err(|error| error.to_string())
     }
@@ -76,7 +76,9 @@ impl Tracer for GpuTree<'_> {
     }
 
     fn any(&self, rays: &[Ray], hits: &mut [bool]) -> Result<f64, String> {
-        self.any_hits(rays, hits).map(|time| time.kernels.as_secs_f64()).map_err(|error| error.to_string())
+        GpuTree::any(self, rays, hits)
+            .map(|time| time.kernels.as_secs_f64())
+            .map_err(|error| error.to_string())
     }
 }
 

@@ -54,12 +54,12 @@ impl<'i> Twin<'i> {
     }
 
     /// The nearest hit.
-    pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         self.trace(ray, false)
     }
 
     /// Whether there is a hit.
-    pub fn any_hit(&self, ray: &Ray) -> bool {
+    pub fn any(&self, ray: &Ray) -> bool {
         self.trace(ray, true).is_some()
     }
 

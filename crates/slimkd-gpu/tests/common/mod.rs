@@ -2,7 +2,7 @@
 
 #![allow(dead_code)] // each test file uses its part
 
-use slimkd::{Hit, KdTree, Preset, Ray, TriangleMesh};
+use slimkd::{Hit, KdTree, Preset, Ray, Tracer, TriangleMesh};
 use slimkd_gpu::{Device, GpuError, t_bound};
 use std::sync::Arc;
 

@@ -17,7 +17,7 @@ pub use up::guess_up;
 
 use glam::Vec3;
 use score::Look;
-use slimkd::KdTree;
+use slimkd::{KdTree, Tracer};
 use slimkd_scene::{Camera, Scene};
 
 /// Share of the chords' midpoints that must lie in rooms for the scene to count as a building. Measured: buildings and

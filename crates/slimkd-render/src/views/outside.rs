@@ -3,7 +3,7 @@
 use super::Candidate;
 use super::score::Look;
 use glam::{DVec3, Vec3};
-use slimkd::{KdTree, TriangleMesh};
+use slimkd::{KdTree, Tracer, TriangleMesh};
 use slimkd_scene::Camera;
 
 /// Vertical field of view, degrees.

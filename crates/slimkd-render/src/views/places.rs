@@ -2,7 +2,7 @@
 
 use crate::sampling::{hash, stratified, unit};
 use glam::{DVec3, Vec3};
-use slimkd::{KdTree, Ray, TriangleMesh};
+use slimkd::{KdTree, Ray, Tracer, TriangleMesh};
 use std::collections::BTreeSet;
 
 /// How many chords are tried.
@@ -40,7 +40,7 @@ pub(super) fn sample(mesh: &TriangleMesh, tree: &KdTree) -> Vec<Place> {
         let direction = Vec3::new(ring * angle.cos(), ring * angle.sin(), height);
         let offset = crate::offset::distance(&mesh.corners(id).map(Vec3::from));
         let origin = crate::offset::leave(point, normal, offset, direction);
-        let Some(hit) = tree.closest_hit(&Ray::new(origin, direction)) else { continue };
+        let Some(hit) = tree.closest(&Ray::new(origin, direction)) else { continue };
         places.extend(Place::new(mesh, tree, origin + direction * (hit.t * 0.5)));
     }
     places
@@ -94,7 +94,7 @@ impl Place {
         let mut distances = Vec::with_capacity(DIRECTIONS as usize);
         for index in 0..DIRECTIONS {
             let direction = sphere(index);
-            let hit = tree.closest_hit(&Ray::new(position, direction));
+            let hit = tree.closest(&Ray::new(position, direction));
             backs.push(hit.is_some_and(|hit| {
                 triangles.insert(hit.triangle);
                 let [a, b, c] = mesh.corners(hit.triangle).map(Vec3::from);
@@ -159,7 +159,7 @@ impl Place {
 
 /// `position` moved up or down to where a person would hold a camera, between floor and ceiling.
 pub(super) fn at_eye_height(tree: &KdTree, position: Vec3, up: Vec3) -> Vec3 {
-    let distance = |direction| tree.closest_hit(&Ray::new(position, direction)).map(|hit| hit.t);
+    let distance = |direction| tree.closest(&Ray::new(position, direction)).map(|hit| hit.t);
     match (distance(-up), distance(up)) {
         (Some(floor), Some(ceiling)) => {
             let free = floor + ceiling;

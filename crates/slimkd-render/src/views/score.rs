@@ -2,7 +2,7 @@
 
 use crate::camera::PinholeFrame;
 use glam::{Vec2, Vec3};
-use slimkd::KdTree;
+use slimkd::{KdTree, Tracer};
 use slimkd_scene::Camera;
 use std::collections::BTreeMap;
 
@@ -45,7 +45,7 @@ impl Look {
         for index in 0..GRID * GRID {
             let cell = Vec2::new((index % GRID) as f32, (index / GRID) as f32);
             let ray = frame.ray((cell + 0.5) / GRID as f32);
-            let Some(hit) = tree.closest_hit(&ray) else { continue };
+            let Some(hit) = tree.closest(&ray) else { continue };
             let [a, b, c] = tree.mesh().corners(hit.triangle).map(|corner| Vec3::from(corner).as_dvec3());
             let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
             let back = normal.dot(ray.direction.into()) > 0.0;

@@ -8,7 +8,7 @@ use crate::data::{Heat, HeatPreset, View};
 use crate::plots::palette::heat_colour;
 use glam::{UVec2, Vec3};
 use rayon::prelude::*;
-use slimkd::{KdTree, Preset, Ray, RayCost};
+use slimkd::{KdTree, Preset, Ray, RayCost, Tracer};
 use slimkd_render::{PinholeFrame, RenderError};
 
 /// The scale ends where this share of all pixels, of all presets, lies below: a few extreme pixels would darken the rest.
@@ -31,7 +31,7 @@ pub(super) fn measure(
     for &preset in presets {
         session.check()?;
         let tree = trees.get(preset);
-        costs.push(rays.par_iter().map(|ray| tree.closest_hit_cost(ray).1).collect::<Vec<_>>());
+        costs.push(rays.par_iter().map(|ray| tree.cost(ray).1).collect::<Vec<_>>());
     }
     let sum = |cost: &RayCost| cost.nodes + cost.tests;
     let mut all: Vec<u32> = costs.iter().flatten().map(sum).collect();

@@ -11,7 +11,7 @@ use glam::Vec3;
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageFormat};
 use rayon::prelude::*;
-use slimkd::Preset;
+use slimkd::{Preset, Tracer};
 use slimkd_render::{Development, RenderError, RenderSettings, render};
 use std::io::Cursor;
 use std::path::Path;
@@ -56,7 +56,7 @@ pub(super) fn measure(
         let tree = trees.get(preset);
         let references = tree.references_per_triangle();
         let colour = |ray: &slimkd::Ray| {
-            let Some(hit) = tree.closest_hit(ray) else { return [0xf4, 0xf4, 0xf2] };
+            let Some(hit) = tree.closest(ray) else { return [0xf4, 0xf4, 0xf2] };
             let [a, b, c] = tree.mesh().corners(hit.triangle).map(Vec3::from);
             let normal = (b - a).cross(c - a).normalize_or_zero();
             let facing = normal.dot(Vec3::from(ray.direction).normalize_or_zero()).abs();

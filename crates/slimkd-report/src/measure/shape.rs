@@ -6,7 +6,7 @@ use slimkd::{KdTree, MemoryReport, TreeStatistics};
 pub(super) fn shape(tree: &KdTree, statistics: &TreeStatistics) -> Shape {
     let (n, r) = (&statistics.nodes, &statistics.leaf_references);
     let memory = tree.memory();
-    let MemoryReport { nodes, t_references, indices, id_map, triangle_copies, other, .. } = memory;
+    let MemoryReport { nodes, t_references, indices, other, .. } = memory;
     Shape {
         nodes: Nodes { inner: n.inner, t_inner: n.t_inner, leaf: n.leaf, empty_leaf: n.empty_leaf },
         references: References {
@@ -15,13 +15,7 @@ pub(super) fn shape(tree: &KdTree, statistics: &TreeStatistics) -> Shape {
             leaf_other: r.other,
             t: statistics.t_references,
         },
-        bytes: Bytes {
-            nodes,
-            t_references,
-            indices,
-            other: id_map + triangle_copies + other,
-            tree: memory.tree(),
-        },
+        bytes: Bytes { nodes, t_references, indices, other, tree: memory.tree() },
         max_depth: statistics.max_depth,
         sah_cost: statistics.sah_cost,
     }

@@ -20,7 +20,7 @@ pub use error::{LoadError, Place};
 pub use progress::LoadProgress;
 pub use source::Compression;
 
-use crate::{Material, Scene};
+use crate::{Material, Scene, warning::warn};
 use source::Folder;
 use std::{fmt, path::Path};
 
@@ -164,15 +164,4 @@ fn parse(
     }
     progress.reach(1.0)?;
     Ok(scene)
-}
-
-/// Most warnings that a scene keeps: enough to see what is wrong.
-const MAX_WARNINGS: usize = 100;
-
-fn warn(warnings: &mut Vec<String>, warning: String) {
-    if warnings.len() < MAX_WARNINGS {
-        warnings.push(warning);
-    } else if warnings.len() == MAX_WARNINGS {
-        warnings.push("and more".to_owned());
-    }
 }

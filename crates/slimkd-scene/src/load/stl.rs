@@ -2,7 +2,7 @@
 //! corners do not, and are ignored.
 
 use super::{Format, LoadError, LoadProgress, Place, error::quoted, text, weld::Weld};
-use crate::Scene;
+use crate::{Scene, Warning, WarningKind};
 use slimkd::TriangleMesh;
 use std::sync::Arc;
 
@@ -45,7 +45,8 @@ pub(super) fn parse(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, Load
     }
     let mut warnings = Vec::new();
     if size < bytes.len() as u64 {
-        warnings.push(format!("{} bytes behind the last triangle were ignored", bytes.len() as u64 - size));
+        let what = format!("{} bytes behind the last triangle were ignored", bytes.len() as u64 - size);
+        warnings.push(Warning::new(WarningKind::Ignored, what));
     }
     let mesh = Arc::new(TriangleMesh::new(weld.vertices, triangles)?);
     Ok(Scene { mesh, warnings, ..Default::default() })
@@ -63,7 +64,7 @@ fn parse_text(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, LoadError>
     let mut triangles = Vec::new();
     let mut corners = Vec::new();
     let mut inside = false;
-    let mut slivers = 0u64;
+    let (mut slivers, mut facets) = (0u64, 0u64);
     let mut last = 0;
     let mut lines = text::Lines::new(bytes);
     while let Some((number, line)) = lines.next() {
@@ -91,6 +92,7 @@ fn parse_text(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, LoadError>
                 corners.push(weld.index(position));
             }
             b"endloop" => {
+                facets += 1;
                 slivers += u64::from(corners.len() < 3);
                 triangles.extend(corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]));
             }
@@ -106,7 +108,8 @@ fn parse_text(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, LoadError>
     }
     let mut warnings = Vec::new();
     if slivers > 0 {
-        warnings.push(format!("{slivers} facets have fewer than 3 corners and were left out"));
+        let what = "facets have fewer than 3 corners and were left out";
+        warnings.push(Warning::counted(WarningKind::Invalid, slivers, facets, what));
     }
     let mesh = Arc::new(TriangleMesh::new(weld.vertices, triangles)?);
     Ok(Scene { mesh, warnings, ..Default::default() })

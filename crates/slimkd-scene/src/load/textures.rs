@@ -1,7 +1,7 @@
 //! Textures: PNG and JPEG to linear RGB.
 
 use super::source::{Folder, MAX_GROWTH};
-use crate::Texture;
+use crate::{Texture, Warning, WarningKind};
 use image::{ImageReader, Limits};
 use std::{collections::HashMap, io::Cursor};
 
@@ -29,7 +29,7 @@ impl<'a> Textures<'a> {
     pub(super) fn get(
         &mut self,
         key: &str,
-        warnings: &mut Vec<String>,
+        warnings: &mut Vec<Warning>,
         read: impl FnOnce() -> Result<Vec<u8>, String>,
     ) -> Option<u32> {
         if let Some(&known) = self.known.get(key) {
@@ -46,7 +46,8 @@ impl<'a> Textures<'a> {
             }
             Err(why) => {
                 let key = super::error::quoted(key.as_bytes());
-                super::warn(warnings, format!("texture {key} was left out: {}", one_line(&why)));
+                let what = format!("texture {key} was left out: {}", one_line(&why));
+                super::warn(warnings, Warning::new(WarningKind::Missing, what));
                 None
             }
         };

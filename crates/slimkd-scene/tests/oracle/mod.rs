@@ -10,7 +10,7 @@ mod sieve;
 
 use rayon::prelude::*;
 use sieve::Sieve;
-use slimkd::{BruteForce, Hit, KdTree, Ray, TriangleMesh};
+use slimkd::{BruteForce, Hit, KdTree, Ray, Tracer, TriangleMesh};
 
 /// Rays a scene unless `SLIMKD_PARITY_RAYS` says otherwise.
 const RAYS: usize = 10_000;
@@ -95,14 +95,14 @@ fn one(oracle: Option<&BruteForce<'_>>, all: &[Hit], trees: &[(String, KdTree)],
     let hit = closest.is_some();
     let mut wrong = Vec::new();
     if let Some(oracle) = oracle {
-        expect(&mut wrong, "oracle", "closest hit", bits(oracle.closest_hit(ray)), bits(closest), ray);
-        expect(&mut wrong, "oracle", "any hit", oracle.any_hit(ray), hit, ray);
-        expect(&mut wrong, "oracle", "all hits", list(&oracle.all_hits(ray)), list(all), ray);
+        expect(&mut wrong, "oracle", "closest hit", bits(oracle.closest(ray)), bits(closest), ray);
+        expect(&mut wrong, "oracle", "any hit", oracle.any(ray), hit, ray);
+        expect(&mut wrong, "oracle", "all hits", list(&oracle.all(ray)), list(all), ray);
     }
     for (name, tree) in trees {
-        expect(&mut wrong, name, "closest hit", bits(tree.closest_hit(ray)), bits(closest), ray);
-        expect(&mut wrong, name, "any hit", tree.any_hit(ray), hit, ray);
-        expect(&mut wrong, name, "all hits", list(&tree.all_hits(ray)), list(all), ray);
+        expect(&mut wrong, name, "closest hit", bits(tree.closest(ray)), bits(closest), ray);
+        expect(&mut wrong, name, "any hit", tree.any(ray), hit, ray);
+        expect(&mut wrong, name, "all hits", list(&tree.all(ray)), list(all), ray);
     }
     let ties = closest.map_or(0, |best| all.iter().filter(|other| other.t == best.t).count());
     Outcome {

@@ -2,6 +2,7 @@
 
 /// An axis-aligned box, closed on all sides. `min > max` on any axis means empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Aabb {
     /// Lower corner, scene units.
     pub min: [f32; 3],

@@ -1,15 +1,18 @@
 //! The indexed triangle mesh: 12 bytes a vertex and 12 bytes a triangle, nothing else.
 
+use super::buffer::Buffer;
 use super::{Aabb, is_degenerate};
-use rayon::prelude::*;
+use crate::threads;
+use std::fmt;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Vertices and triangles, in the order of the input. A triangle's position in [`TriangleMesh::triangles`] is its
 /// public id. Not finite positions and collinear triangles are allowed: such triangles never hit.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone)]
 pub struct TriangleMesh {
-    vertices: Vec<[f32; 3]>,
-    triangles: Vec<[u32; 3]>,
+    vertices: Buffer<[f32; 3]>,
+    triangles: Buffer<[u32; 3]>,
 }
 
 /// Why a mesh was refused.
@@ -34,7 +37,7 @@ pub enum MeshError {
 }
 
 impl TriangleMesh {
-    /// Takes the buffers and checks every index.
+    /// Takes the arrays and checks every index. Cloning a mesh later copies nothing: clones share the arrays.
     ///
     /// ```
     /// use slimkd::TriangleMesh;
@@ -43,6 +46,61 @@ impl TriangleMesh {
     /// # Ok::<(), slimkd::MeshError>(())
     /// ```
     pub fn new(vertices: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
+        Self::check(&vertices, &triangles)?;
+        Ok(Self { vertices: vertices.into(), triangles: triangles.into() })
+    }
+
+    /// Collects vertices of any kind: glam's and nalgebra's points, mint's, tuples of your own. This copies; a `Vec` of arrays goes to
+    /// [`TriangleMesh::new`] without.
+    ///
+    /// ```
+    /// use slimkd::TriangleMesh;
+    /// struct Point(f32, f32, f32);
+    /// impl From<Point> for [f32; 3] {
+    ///     fn from(Point(x, y, z): Point) -> Self {
+    ///         [x, y, z]
+    ///     }
+    /// }
+    /// let corners = [Point(0.0, 0.0, 0.0), Point(1.0, 0.0, 0.0), Point(0.0, 1.0, 0.0)];
+    /// assert_eq!(TriangleMesh::collect(corners, [[0, 1, 2]])?.len(), 1);
+    /// # Ok::<(), slimkd::MeshError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`TriangleMesh::new`].
+    pub fn collect(
+        vertices: impl IntoIterator<Item = impl Into<[f32; 3]>>,
+        triangles: impl IntoIterator<Item = impl Into<[u32; 3]>>,
+    ) -> Result<Self, MeshError> {
+        let vertices = vertices.into_iter().map(Into::into).collect();
+        Self::new(vertices, triangles.into_iter().map(Into::into).collect())
+    }
+
+    /// A mesh over memory that somebody else owns: arrays of another language, a mapped file, buffers that other code reads too. Nothing
+    /// is copied; the owners are kept until the mesh and every tree over it are gone.
+    ///
+    /// ```
+    /// use slimkd::TriangleMesh;
+    /// use std::sync::Arc;
+    /// let vertices: Arc<Vec<[f32; 3]>> = Arc::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    /// let mesh = TriangleMesh::from_shared(vertices.clone(), Arc::new([[0, 1, 2]]))?;
+    /// assert_eq!(mesh.vertices().as_ptr(), vertices.as_ptr());
+    /// # Ok::<(), slimkd::MeshError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`TriangleMesh::new`].
+    pub fn from_shared(
+        vertices: Arc<dyn AsRef<[[f32; 3]]> + Send + Sync>,
+        triangles: Arc<dyn AsRef<[[u32; 3]]> + Send + Sync>,
+    ) -> Result<Self, MeshError> {
+        let mesh = Self { vertices: Buffer::new(vertices), triangles: Buffer::new(triangles) };
+        Self::check(mesh.vertices(), mesh.triangles())?;
+        Ok(mesh)
+    }
+
+    /// Whether every index names a vertex.
+    fn check(vertices: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<(), MeshError> {
         for count in [vertices.len(), triangles.len()] {
             if count >= u32::MAX as usize {
                 return Err(MeshError::TooLarge(count));
@@ -54,27 +112,27 @@ impl TriangleMesh {
                 return Err(MeshError::IndexOutOfRange { triangle, vertex, vertices: vertices.len() });
             }
         }
-        Ok(Self { vertices, triangles })
+        Ok(())
     }
 
     /// Positions, scene units.
     pub fn vertices(&self) -> &[[f32; 3]] {
-        &self.vertices
+        self.vertices.as_slice()
     }
 
     /// Vertex indices of each triangle; the position in this slice is the public id.
     pub fn triangles(&self) -> &[[u32; 3]] {
-        &self.triangles
+        self.triangles.as_slice()
     }
 
     /// Number of triangles, degenerate ones included.
     pub fn len(&self) -> usize {
-        self.triangles.len()
+        self.triangles().len()
     }
 
     /// True when there is no triangle at all.
     pub fn is_empty(&self) -> bool {
-        self.triangles.is_empty()
+        self.triangles().is_empty()
     }
 
     /// The three corners of triangle `id`.
@@ -83,7 +141,7 @@ impl TriangleMesh {
     /// When `id` is not below [`TriangleMesh::len`].
     #[inline]
     pub fn corners(&self, id: u32) -> [[f32; 3]; 3] {
-        self.triangles[id as usize].map(|v| self.vertices[v as usize])
+        self.triangles()[id as usize].map(|v| self.vertices()[v as usize])
     }
 
     /// Ids of the triangles that can be hit, ascending, and their bounds. The others are collinear or not finite.
@@ -99,26 +157,23 @@ impl TriangleMesh {
         // So many at a time, so that little is held twice.
         for first in (0..self.len()).step_by(1 << 20) {
             let ids = first as u32..self.len().min(first + (1 << 20)) as u32;
-            let pieces: Vec<(Vec<u32>, Aabb)> = (ids.start..ids.end)
-                .into_par_iter()
-                .step_by(1 << 14)
-                .map(|first| {
-                    if stop() {
-                        return None;
+            let pieces = threads::map(ids.clone().step_by(1 << 14), |first| {
+                if stop() {
+                    return Err(());
+                }
+                let mut keep = Vec::new();
+                keep.try_reserve_exact(1 << 14).map_err(|_| ())?;
+                let mut bounds = Aabb::EMPTY;
+                for id in first..ids.end.min(first + (1 << 14)) {
+                    let corners = self.corners(id);
+                    if !is_degenerate(&corners) {
+                        keep.push(id);
+                        corners.into_iter().for_each(|corner| bounds.include(corner));
                     }
-                    let mut keep = Vec::new();
-                    keep.try_reserve_exact(1 << 14).ok()?;
-                    let mut bounds = Aabb::EMPTY;
-                    for id in first..ids.end.min(first + (1 << 14)) {
-                        let corners = self.corners(id);
-                        if !is_degenerate(&corners) {
-                            keep.push(id);
-                            corners.into_iter().for_each(|corner| bounds.include(corner));
-                        }
-                    }
-                    Some((keep, bounds))
-                })
-                .collect::<Option<_>>()?;
+                }
+                Ok((keep, bounds))
+            })
+            .ok()?;
             for (ids, part) in pieces {
                 keep.extend_from_slice(&ids);
                 bounds = bounds.union(&part);
@@ -129,6 +184,25 @@ impl TriangleMesh {
 
     /// Bytes of the two buffers: 12 a vertex, 12 a triangle.
     pub fn memory_bytes(&self) -> u64 {
-        12 * (self.vertices.len() as u64 + self.triangles.len() as u64)
+        12 * (self.vertices().len() as u64 + self.triangles().len() as u64)
+    }
+}
+
+impl Default for TriangleMesh {
+    /// A mesh without vertices and triangles.
+    fn default() -> Self {
+        Self { vertices: Vec::new().into(), triangles: Vec::new().into() }
+    }
+}
+
+impl PartialEq for TriangleMesh {
+    fn eq(&self, other: &Self) -> bool {
+        self.vertices() == other.vertices() && self.triangles() == other.triangles()
+    }
+}
+
+impl fmt::Debug for TriangleMesh {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "TriangleMesh({} vertices, {} triangles)", self.vertices().len(), self.triangles().len())
     }
 }

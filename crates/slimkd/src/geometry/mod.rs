@@ -1,14 +1,19 @@
 //! Points, rays, boxes, triangles and the indexed mesh that a tree is built over.
 
 mod aabb;
+mod buffer;
+mod clip;
 mod closest_point;
+mod hit;
 mod intersect;
 mod mesh;
 mod ray;
 mod refine;
 
 pub use aabb::Aabb;
+pub(crate) use clip::{Clipper, Polygon};
 pub(crate) use closest_point::{Nearest, nearest_on_triangle};
+pub use hit::Hit;
 pub(crate) use intersect::{Intersection, Shear, is_degenerate};
 pub use mesh::{MeshError, TriangleMesh};
 pub use ray::Ray;

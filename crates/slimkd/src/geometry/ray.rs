@@ -9,15 +9,16 @@
 /// let ray = slimkd::Ray::new([0.0, 0.0, -5.0], [0.0, 0.0, 2.0]).with_range(0.0, 10.0);
 /// assert_eq!(ray.at(2.5), [0.0, 0.0, 0.0]);
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ray {
     /// Where the ray starts, scene units.
     pub origin: [f32; 3],
-    /// Where it goes; any length but 0.
-    pub direction: [f32; 3],
     /// Smallest t that counts as a hit (inclusive). May be negative.
     pub t_min: f32,
+    /// Where it goes; any length but 0.
+    pub direction: [f32; 3],
     /// Largest t that counts as a hit (inclusive). May be `+inf`.
     pub t_max: f32,
 }

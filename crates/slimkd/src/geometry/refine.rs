@@ -1,13 +1,15 @@
-//! t, u, v of a hit in f64, from the mesh's own coordinates.
+//! A hit in f64: t, u, v, point and normal, from the triangle's own corners.
 //!
 //! Determinants in double-double arithmetic (Dekker 1971; Hida, Li & Bailey 2001): about 2⁻¹⁰⁰ of the sum of their
 //! terms' sizes, so cancellation eats into f64 only where a triangle is seen at an angle below 10⁻¹⁴.
 
-use super::{Ray, TriangleMesh};
+use super::Ray;
 use std::ops::{Add, Mul, Sub};
 
-/// A crossing of a ray with a triangle's plane, unrounded to f32.
+/// A hit in f64, as [`Tracer::refine`](crate::Tracer::refine) computes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RefinedHit {
     /// Distance along the ray in units of its direction.
     pub t: f64,
@@ -15,6 +17,13 @@ pub struct RefinedHit {
     pub u: f64,
     /// Barycentric weight of vertex 2; the same holds.
     pub v: f64,
+    /// The point on the triangle, scene units: its corners by their weights, so it lies in the triangle's plane but for the
+    /// rounding of f64.
+    pub point: [f64; 3],
+    /// The triangle's unit normal, `(b − a) × (c − a)` for its corners a, b, c in the mesh's order; whichever side the ray meets.
+    pub normal: [f64; 3],
+    /// Whether the ray meets the side from which the corners run counter-clockwise: it goes against the normal.
+    pub front: bool,
 }
 
 /// An unevaluated sum of two f64, the second below half an ulp of the first.
@@ -80,36 +89,42 @@ fn determinant(a: [Double; 3], b: [Double; 3], c: [Double; 3]) -> Double {
     a[0] * minor(1, 2) + a[1] * minor(2, 0) + a[2] * minor(0, 1)
 }
 
-impl TriangleMesh {
-    /// Where `ray` crosses the plane of `triangle`, in f64: for those who need more of a hit than the f32 of a
-    /// [`Hit`](crate::Hit). `None` where the ray runs within the plane, or numbers leave the range of f64.
+impl RefinedHit {
+    /// Where `ray` crosses the plane of a triangle. `None` where the ray runs within the plane, or numbers leave the range of f64.
     ///
     /// ```
-    /// use slimkd::{BuildOptions, KdTree, Ray, TriangleMesh};
+    /// use slimkd::{BuildOptions, KdTree, Ray, Tracer, TriangleMesh};
     /// let mesh = TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
     /// let tree = KdTree::build(mesh, &BuildOptions::default())?;
     /// let ray = Ray::new([0.1, 0.2, 1.0], [0.0, 0.0, -3.0]);
-    /// let hit = tree.closest_hit(&ray).unwrap();
-    /// let refined = tree.mesh().refine(&ray, hit.triangle).unwrap();
-    /// assert_eq!(refined.t, 1.0 / 3.0);
-    /// assert_eq!(refined.u, f64::from(0.1f32));
+    /// let hit = tree.closest(&ray).unwrap();
+    /// let refined = tree.refine(&ray, hit.triangle).unwrap();
+    /// assert_eq!((refined.t, refined.u), (1.0 / 3.0, f64::from(0.1f32)));
+    /// assert_eq!((refined.normal, refined.front), ([0.0, 0.0, 1.0], true));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    ///
-    /// # Panics
-    /// When `triangle` is not below [`TriangleMesh::len`].
-    pub fn refine(&self, ray: &Ray, triangle: u32) -> Option<RefinedHit> {
-        let [a, b, c] = self.corners(triangle);
+    pub fn new(ray: &Ray, corners: &[[f32; 3]; 3]) -> Option<Self> {
+        let [a, b, c] = *corners;
         let minus = |p: [f32; 3], q: [f32; 3]| std::array::from_fn(|k| Double::difference(p[k], q[k]));
-        let (e1, e2, to_corner) = (minus(b, a), minus(c, a), minus(a, ray.origin));
+        let (e1, e2, to_corner): ([Double; 3], [Double; 3], _) =
+            (minus(b, a), minus(c, a), minus(a, ray.origin));
         let direction = ray.direction.map(|x| Double(x.into(), 0.0));
         let whole = determinant(direction, e1, e2).value();
         let part = |determinant: Double| determinant.value() / whole;
-        let found = RefinedHit {
-            t: part(determinant(to_corner, e1, e2)),
-            u: part(determinant(direction, e2, to_corner)),
-            v: part(determinant(direction, to_corner, e1)),
-        };
-        [found.t, found.u, found.v].iter().all(|x| x.is_finite()).then_some(found)
+        let t = part(determinant(to_corner, e1, e2));
+        let u = part(determinant(direction, e2, to_corner));
+        let v = part(determinant(direction, to_corner, e1));
+        let point = [0, 1, 2].map(|k| f64::from(a[k]) + (u * e1[k].value() + v * e2[k].value()));
+        let minor = |i: usize, j: usize| (e1[i] * e2[j] - e1[j] * e2[i]).value();
+        let cross = [minor(1, 2), minor(2, 0), minor(0, 1)];
+        // Scaled first, so that squares of very long or very short edges stay in range.
+        let largest = cross.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+        let scaled = cross.map(|x| x / largest);
+        let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let normal = scaled.map(|x| x / length);
+        // The determinant of (direction, e1, e2) is the direction times the cross product.
+        let found = Self { t, u, v, point, normal, front: whole < 0.0 };
+        let numbers = [t, u, v].into_iter().chain(point).chain(normal);
+        numbers.into_iter().all(f64::is_finite).then_some(found)
     }
 }

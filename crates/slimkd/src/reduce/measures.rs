@@ -8,10 +8,11 @@
 //!
 //! Deviation: "the first by falling occupancy" is found as a maximum; equal occupancies fall to the lowest id.
 
-use super::options::{CountedLeaves, Hoisting, OccupancyBase};
-use super::work::Work;
-use crate::build::memory::filled;
-use crate::build::{BuildError, Builder};
+use crate::job::Job;
+use crate::job::memory::filled;
+use crate::options::BuildError;
+use crate::options::Hoisting;
+use crate::plan::Work;
 
 /// What the leaves under a node say about one triangle.
 #[derive(Clone, Copy, Debug)]
@@ -35,22 +36,15 @@ impl<'a> Picker<'a> {
     }
 
     /// `pick_triangle` for the subtree at `at`.
-    pub(crate) fn pick(
-        &mut self,
-        work: &Work,
-        at: usize,
-        builder: &Builder<'_>,
-    ) -> Result<Option<u32>, BuildError> {
+    pub(crate) fn pick(&mut self, work: &Work, at: usize, job: &Job<'_>) -> Result<Option<u32>, BuildError> {
         let (mut leaves, mut leaf_area) = (0u32, 0.0f64);
         for (steps, (leaf, first, count)) in work.leaves(at).enumerate() {
             if steps % (1 << 12) == (1 << 12) - 1 {
-                builder.check()?;
+                job.check()?;
             }
             let area = f64::from(work.areas[leaf]);
-            if count > 0 || self.hoisting.leaves == CountedLeaves::All {
-                leaves += 1;
-                leaf_area += area;
-            }
+            leaves += 1;
+            leaf_area += area;
             for &id in work.ids(first, count) {
                 let slot = &mut self.slots[id as usize];
                 if *slot == u32::MAX {
@@ -62,12 +56,8 @@ impl<'a> Picker<'a> {
                 tally.area += area;
             }
         }
-        let base = match self.hoisting.occupancy_base {
-            OccupancyBase::LeafAreas => leaf_area,
-            OccupancyBase::NodeArea => f64::from(work.areas[at]),
-        };
         let (least_area, least_leaves) = (
-            f64::from(self.hoisting.occupancy) * base,
+            f64::from(self.hoisting.occupancy) * leaf_area,
             f64::from(self.hoisting.frequency) * f64::from(leaves),
         );
         let best = self
@@ -86,8 +76,12 @@ impl<'a> Picker<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::build::{BuildOptions, Pace, Plan, PlanNode, Progress};
+    use crate::construct::Builder;
+    use crate::construct::Pace;
     use crate::geometry::{Aabb, TriangleMesh};
+    use crate::job::Progress;
+    use crate::options::BuildOptions;
+    use crate::plan::{Plan, PlanNode};
     use std::collections::BTreeMap;
 
     /// Twelve walls across a cube, so that some triangles lie in most leaves, and fifty crumbs.
@@ -139,16 +133,17 @@ mod tests {
         let mesh = mesh();
         let (ids, bounds) = mesh.valid_triangles();
         let (options, progress) = (BuildOptions::default(), Progress::new());
-        let builder = Builder::new(&mesh, &options, &progress).unwrap();
-        let plan = builder.build(&ids, bounds, &Pace::of(&options, ids.len(), 1)).unwrap();
+        let job = Job::new(&mesh, &options, &progress);
+        let builder = Builder::new(&job, bounds, None).unwrap();
+        let plan = builder.build(&ids, &Pace::of(&options, ids.len(), 1)).unwrap();
         let nodes = plan.nodes.len();
-        let work = Work::new(plan, &bounds, &builder).unwrap();
+        let work = Work::new(plan, &bounds, &job).unwrap();
         let mut found = 0;
         for (occupancy, frequency) in [(0.9, 0.7), (0.5, 0.4), (0.3, 0.2), (0.02, 0.01)] {
             let hoisting = Hoisting::new(occupancy, frequency);
             let mut picker = Picker::new(&hoisting, mesh.len()).unwrap();
             for at in 0..nodes {
-                let picked = picker.pick(&work, at, &builder).unwrap();
+                let picked = picker.pick(&work, at, &job).unwrap();
                 let expected = naive_pick(&work, at, &hoisting);
                 assert_eq!(picked, expected, "node {at}, thresholds {occupancy}, {frequency}");
                 found += usize::from(picked.is_some());
@@ -168,14 +163,14 @@ mod tests {
             references: vec![0, 7, 7],
             counts: vec![2, 2, 1],
             hoisted: Vec::new(),
-            collapsed: None,
+            price: None,
         };
         let (mesh, options, progress) = (mesh(), BuildOptions::default(), Progress::new());
-        let builder = Builder::new(&mesh, &options, &progress).unwrap();
-        let work = Work::new(plan, &Aabb { min: [0.0; 3], max: [1.0; 3] }, &builder).unwrap();
+        let job = Job::new(&mesh, &options, &progress);
+        let work = Work::new(plan, &Aabb { min: [0.0; 3], max: [1.0; 3] }, &job).unwrap();
         let pick = |occupancy, frequency| {
             let hoisting = Hoisting::new(occupancy, frequency);
-            Picker::new(&hoisting, 8).unwrap().pick(&work, 0, &builder).unwrap()
+            Picker::new(&hoisting, 8).unwrap().pick(&work, 0, &job).unwrap()
         };
         assert_eq!(pick(0.999, 0.999), Some(7));
         assert_eq!(pick(1.0, 0.0), None, "thresholds are strict");

@@ -1,59 +1,50 @@
-//! From the standard plan to a smaller one: T-references, collapse.
+//! From the standard plan to a smaller one: T-references, then collapse.
 //!
 //! ```text
-//! Plan ─▶ hoist (strip or rebuild) ─▶ prune (collapse; by `fit` where the bytes are given) ─▶ Plan
+//! Plan ─▶ hoist (strip or rebuild) ─▶ prune (collapse), or fit where the bytes have a budget ─▶ Plan
 //! ```
 
-mod collapse;
 mod fit;
 mod measures;
-mod options;
 mod rebuild;
 mod strip;
-mod work;
 
-use crate::build::{BuildError, BuildOptions, Builder, Plan};
+use crate::construct::Builder;
 use crate::geometry::Aabb;
-pub(crate) use collapse::{Bytes, Totals, collapse_subtree};
-pub(crate) use fit::{fit, search_weight};
-pub use options::{CountedLeaves, HoistAlgorithm, Hoisting, OccupancyBase, WhenLeafRemains};
+use crate::job::Job;
+use crate::options::{BuildError, HoistAlgorithm};
+use crate::plan::{Plan, collapse};
+pub(crate) use fit::fit;
 
 /// Hoists where the options ask for it; moves the progress by `share`.
 pub(crate) fn hoist(
     mut plan: Plan,
     voxel: Aabb,
     builder: &Builder<'_>,
-    options: &BuildOptions,
     share: f64,
 ) -> Result<Plan, BuildError> {
-    if let Some(hoisting) = &options.hoisting {
-        let beside = 24 * plan.nodes.len() + 8 * builder.mesh().len(); // what stripping keeps beside the plan
-        builder.memory.take(beside)?;
+    let job = builder.job;
+    if let Some(hoisting) = &job.options.hoisting {
+        let beside = 24 * plan.nodes.len() + 8 * job.mesh.len(); // what stripping keeps beside the plan
+        job.memory.take(beside)?;
         plan = match hoisting.algorithm {
-            HoistAlgorithm::Strip => strip::hoist(plan, voxel, hoisting, builder, share)?,
-            HoistAlgorithm::Predict => plan, // done while building
+            HoistAlgorithm::Strip => strip::hoist(plan, voxel, hoisting, job, share)?,
             HoistAlgorithm::Rebuild => rebuild::hoist(plan, voxel, hoisting, builder, share)?,
         };
-        builder.memory.give(beside);
+        job.memory.give(beside);
     }
     plan.counts = Vec::new(); // only stripping needs them
     Ok(plan)
 }
 
-/// Collapses where the options ask for it. What the builder collapsed at this weight stays as it is.
-pub(crate) fn prune(
-    plan: Plan,
-    voxel: Aabb,
-    options: &BuildOptions,
-    builder: &Builder<'_>,
-) -> Result<Plan, BuildError> {
-    let done = plan.collapsed.is_some_and(|collapsed| collapsed.byte_weight == options.byte_weight);
-    if !options.collapse || done {
+/// Collapses at a weight of bytes. What the builder collapsed at this weight stays as it is.
+pub(crate) fn prune(plan: Plan, voxel: Aabb, byte_weight: f32, job: &Job<'_>) -> Result<Plan, BuildError> {
+    if plan.price.is_some_and(|price| price.byte_weight == byte_weight) {
         return Ok(plan);
     }
     let beside = plan.bytes();
-    builder.memory.take(beside)?;
-    let pruned = collapse::collapse(plan, voxel, &options.sah, options.byte_weight, options.layout, builder)?;
-    builder.memory.give(beside);
+    job.memory.take(beside)?;
+    let pruned = collapse(plan, voxel, byte_weight, job)?;
+    job.memory.give(beside);
     Ok(pruned)
 }

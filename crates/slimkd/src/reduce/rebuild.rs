@@ -5,10 +5,12 @@
 //! recurse into the new children. One pick a node.
 
 use super::measures::Picker;
-use super::options::{Hoisting, WhenLeafRemains};
-use super::work::Work;
-use crate::build::{BuildError, Builder, Plan, PlanNode};
+use crate::construct::Builder;
 use crate::geometry::Aabb;
+use crate::options::BuildError;
+use crate::options::Hoisting;
+use crate::plan::Work;
+use crate::plan::{Plan, PlanNode};
 use std::rc::Rc;
 
 /// A subtree that is still to be searched.
@@ -28,36 +30,32 @@ pub(crate) fn hoist(
     builder: &Builder<'_>,
     share: f64,
 ) -> Result<Plan, BuildError> {
-    let triangles = builder.mesh().len();
+    let job = builder.job;
     // The new tree has about as many nodes as the old one.
     let each = share / plan.nodes.len().max(1) as f64;
-    let mut picker = Picker::new(hoisting, triangles)?;
+    let mut picker = Picker::new(hoisting, job.mesh.len())?;
     let mut out = Plan::default();
     let mut pending =
-        vec![Pending { work: Rc::new(Work::new(plan, &voxel, builder)?), at: 0, voxel, parent: None }];
+        vec![Pending { work: Rc::new(Work::new(plan, &voxel, job)?), at: 0, voxel, parent: None }];
     while let Some(Pending { mut work, mut at, voxel, parent }) = pending.pop() {
-        builder.check()?;
-        builder.progress().advance(each);
+        job.check()?;
+        job.progress.advance(each);
         let here = out.nodes.len();
         if let Some(PlanNode::Inner { right, .. }) = parent.map(|parent| &mut out.nodes[parent]) {
             *right = here as u32;
         }
         let is_inner = matches!(work.plan.nodes[at], PlanNode::Inner { .. });
-        if let Some(picked) = is_inner.then(|| picker.pick(&work, at, builder)).transpose()?.flatten() {
+        if let Some(picked) = is_inner.then(|| picker.pick(&work, at, job)).transpose()?.flatten() {
             let all = work.distinct(at);
             let rest: Vec<u32> = all.iter().copied().filter(|&id| id != picked).collect();
             let rebuilt = builder.rebuild(&rest, voxel)?;
-            match (&rebuilt.nodes[0], hoisting.when_leaf_remains) {
-                (PlanNode::Inner { .. }, _) => {
-                    out.hoisted.push((here as u32, picked));
-                    (work, at) = (Rc::new(Work::new(rebuilt, &voxel, builder)?), 0);
-                }
-                (PlanNode::Leaf { .. }, WhenLeafRemains::MakeLeaf) => {
-                    push_leaf(&mut out, &all);
-                    continue;
-                }
-                (PlanNode::Leaf { .. }, WhenLeafRemains::DropPick) => {}
+            if let PlanNode::Leaf { .. } = rebuilt.nodes[0] {
+                // Where only a leaf would remain, the node becomes a leaf of all its triangles, the picked one included.
+                push_leaf(&mut out, &all);
+                continue;
             }
+            out.hoisted.push((here as u32, picked));
+            (work, at) = (Rc::new(Work::new(rebuilt, &voxel, job)?), 0);
         }
         match work.plan.nodes[at] {
             PlanNode::Leaf { first, count } => push_leaf(&mut out, work.ids(first, count)),

@@ -1,10 +1,13 @@
 //! What one ray costs in a tree, whatever the machine: for heat maps and comparisons of trees.
 
-use super::{Closest, Hit, Sink};
-use crate::geometry::Intersection;
+use super::conditions::NO_TRIANGLE;
+use super::{Closest, Sink};
+use crate::geometry::{Hit, Intersection};
 
 /// What the walk of one ray took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct RayCost {
     /// Nodes visited, leaves included.
     pub nodes: u32,
@@ -20,7 +23,7 @@ pub(crate) struct Costed {
 
 impl Costed {
     pub(crate) fn new(t_max: f32) -> Self {
-        Self { sink: Closest::new(t_max), cost: RayCost::default() }
+        Self { sink: Closest::new(t_max, NO_TRIANGLE), cost: RayCost::default() }
     }
 
     pub(crate) fn into_parts(self) -> (Option<Hit>, RayCost) {

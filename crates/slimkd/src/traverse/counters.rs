@@ -8,6 +8,7 @@ use std::cell::Cell;
 /// A single ray counts as a walk of one lane; a packet or a group is one walk of many.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Counters {
     /// Rays that met the scene's bounds.
     pub rays: u64,

@@ -1,11 +1,18 @@
-//! From rays to hits.
+//! From rays to hits. Read `single.rs` first: all other kernels compute the same, faster.
+//!
+//! | file | what |
+//! |---|---|
+//! | `prepared.rs` | what a ray carries, and the proof that no hit is lost at a split plane |
+//! | `single.rs` | the walk of one ray |
+//! | `sink.rs`, `conditions.rs` | what a query does with hits, and which of them count |
+//! | `stream/` | batches in any order: a ray in each lane |
+//! | `packet/` | coherent batches: 64 rays share one walk |
+//! | `nearest.rs` | the nearest point |
+//! | `cost.rs`, `counters.rs` | what one ray costs in a tree; what kernels do, counted |
 
-mod arch;
-mod brute_force;
+mod conditions;
 mod cost;
 mod counters;
-mod filtered;
-mod hit;
 mod nearest;
 mod packet;
 mod prepared;
@@ -13,18 +20,25 @@ mod single;
 mod sink;
 mod stream;
 
-pub(crate) use arch::Simd;
-pub use arch::{InstructionSet, UnknownInstructionSet};
-pub use brute_force::BruteForce;
+pub(crate) use conditions::{Conditions, RayConditions};
 pub(crate) use cost::Costed;
 pub use cost::RayCost;
 pub use counters::Counters;
-pub(crate) use filtered::Filtered;
-pub use hit::Hit;
-pub use nearest::ClosestPoint;
+pub use nearest::NearestPoint;
 pub(crate) use nearest::{Search, search_tree};
-pub(crate) use packet::{AnyHits, ClosestHits, Traced, finish as finish_strays};
-pub(crate) use prepared::{Planes, PreparedRay};
+pub(crate) use packet::{AnyHits, ClosestHits, finish as finish_strays};
+pub(crate) use prepared::PreparedRay;
 pub(crate) use single::traverse;
-pub(crate) use sink::{All, Any, Closest, Sink, sort_hits};
+pub(crate) use sink::{Any, Closest, Filtered, First, Sink};
 pub(crate) use stream::Stream;
+
+use crate::geometry::Aabb;
+
+/// A tree as every kernel needs it.
+#[derive(Clone, Copy)]
+pub(crate) struct Traced<'a, N> {
+    pub(crate) nodes: N,
+    /// Depth of the deepest leaf: it bounds the stack.
+    pub(crate) depth: u32,
+    pub(crate) bounds: &'a Aabb,
+}

@@ -5,8 +5,9 @@
 //! farther than the best by 2⁻⁴⁰ of that. The triangle's nearest point lies in a voxel whose leaf, or a node above it,
 //! holds the triangle, as every point of it does; a plane that its layout keeps coarsely counts as a cell nearer. Equal distances go to the lowest id.
 
-use crate::geometry::{Aabb, Nearest, TriangleMesh, nearest_on_triangle};
-use crate::tree::{Inner, Nodes, Step};
+use super::{Conditions, Traced};
+use crate::geometry::{Aabb, Hit, Nearest, nearest_on_triangle};
+use crate::layout::{Address, Nodes, Step};
 
 /// The widening of voxels relative to the farthest corner of the bounds; derived in the module head.
 const SLACK: f64 = 1.0 / (1u64 << 40) as f64;
@@ -14,16 +15,18 @@ const SLACK: f64 = 1.0 / (1u64 << 40) as f64;
 /// A point on the mesh.
 ///
 /// ```
-/// use slimkd::{BuildOptions, KdTree, TriangleMesh};
+/// use slimkd::{BuildOptions, KdTree, Tracer, TriangleMesh};
 /// let mesh = TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
 /// let tree = KdTree::build(mesh, &BuildOptions::default())?;
-/// let found = tree.closest_point([0.25, 0.5, 3.0], f32::INFINITY).unwrap();
+/// let found = tree.nearest([0.25, 0.5, 3.0], f32::INFINITY).unwrap();
 /// assert_eq!((found.point, found.distance, found.triangle), ([0.25, 0.5, 0.0], 3.0, 0));
-/// assert_eq!(tree.closest_point([0.25, 0.5, 3.0], 2.5), None);
+/// assert_eq!(tree.nearest([0.25, 0.5, 3.0], 2.5), None);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ClosestPoint {
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct NearestPoint {
     /// Where it is, scene units, rounded once from f64.
     pub point: [f32; 3],
     /// How far that is, scene units, rounded once from f64.
@@ -37,20 +40,24 @@ pub struct ClosestPoint {
 }
 
 /// The best so far.
-pub(crate) struct Search<F> {
+pub(crate) struct Search<'a> {
     point: [f32; 3],
     best: Nearest,
     triangle: u32,
     slack: f64,
     /// Voxels whose squared distance is larger hold nothing better.
     limit: f64,
-    /// Which triangles count.
-    accept: F,
+    conditions: Conditions<'a>,
 }
 
-impl<F: FnMut(u32) -> bool> Search<F> {
+impl<'a> Search<'a> {
     /// `None` for a point or a distance that is not a number, and where there is no triangle.
-    pub(crate) fn new(point: [f32; 3], max_distance: f32, bounds: &Aabb, accept: F) -> Option<Self> {
+    pub(crate) fn new(
+        point: [f32; 3],
+        max_distance: f32,
+        bounds: &Aabb,
+        conditions: Conditions<'a>,
+    ) -> Option<Self> {
         if !point.iter().all(|x| x.is_finite())
             || max_distance.is_nan()
             || max_distance < 0.0
@@ -65,7 +72,7 @@ impl<F: FnMut(u32) -> bool> Search<F> {
         let slack = SLACK * (reach(0) + reach(1) + reach(2));
         let square = f64::from(max_distance) * f64::from(max_distance);
         let best = Nearest { square, offset: [0.0; 3], u: 0.0, v: 0.0 };
-        let mut search = Self { point, best, triangle: u32::MAX, slack, limit: 0.0, accept };
+        let mut search = Self { point, best, triangle: u32::MAX, slack, limit: 0.0, conditions };
         search.tighten();
         Some(search)
     }
@@ -75,19 +82,25 @@ impl<F: FnMut(u32) -> bool> Search<F> {
         self.limit = distance * distance;
     }
 
-    pub(crate) fn offer(&mut self, mesh_corners: &[[f32; 3]; 3], triangle: u32) {
-        let found = nearest_on_triangle(self.point, mesh_corners);
+    pub(crate) fn offer(&mut self, corners: &[[f32; 3]; 3], triangle: u32) {
+        let found = nearest_on_triangle(self.point, corners);
         let better =
             found.square < self.best.square || (found.square == self.best.square && triangle < self.triangle);
-        if better && (self.accept)(triangle) {
+        if better && triangle != self.conditions.except && self.accepts(&found, triangle) {
             (self.best, self.triangle) = (found, triangle);
             self.tighten();
         }
     }
 
-    pub(crate) fn into_closest(self) -> Option<ClosestPoint> {
+    fn accepts(&mut self, found: &Nearest, triangle: u32) -> bool {
+        let Nearest { square, u, v, .. } = *found;
+        let hit = Hit { t: square.sqrt() as f32, u: u as f32, v: v as f32, triangle };
+        self.conditions.filter.as_mut().is_none_or(|accept| accept(&hit))
+    }
+
+    pub(crate) fn into_nearest(self) -> Option<NearestPoint> {
         let Nearest { square, offset, u, v } = self.best;
-        (self.triangle != u32::MAX).then(|| ClosestPoint {
+        (self.triangle != u32::MAX).then(|| NearestPoint {
             point: std::array::from_fn(|k| (f64::from(self.point[k]) + offset[k]) as f32),
             distance: square.sqrt() as f32,
             u: u as f32,
@@ -97,18 +110,9 @@ impl<F: FnMut(u32) -> bool> Search<F> {
     }
 }
 
-/// Every triangle that can be hit, one after the other: what the tree must say too.
-pub(crate) fn search_all(
-    mesh: &TriangleMesh,
-    triangles: &[u32],
-    search: &mut Search<impl FnMut(u32) -> bool>,
-) {
-    triangles.iter().for_each(|&id| search.offer(&mesh.corners(id), id));
-}
-
 /// A voxel to come back to.
 struct Far {
-    node: u32,
+    node: Address,
     /// Distances to the voxel per axis.
     apart: [f64; 3],
 }
@@ -118,42 +122,41 @@ fn square(apart: [f64; 3]) -> f64 {
 }
 
 /// Offers every triangle that may be nearest.
-pub(crate) fn search_tree(
-    nodes: impl Nodes,
-    depth: u32,
-    bounds: &Aabb,
-    search: &mut Search<impl FnMut(u32) -> bool>,
-) {
+pub(crate) fn search_tree<N: Nodes>(tree: Traced<'_, N>, search: &mut Search<'_>) {
+    let Traced { nodes, depth, bounds } = tree;
     let point = search.point.map(f64::from);
     let planes = nodes.planes();
     let apart = std::array::from_fn(|k| {
         (f64::from(bounds.min[k]) - point[k]).max(point[k] - f64::from(bounds.max[k])).max(0.0)
     });
     let mut pending = Vec::with_capacity(depth as usize + 1);
-    pending.push(Far { node: 0, apart });
+    pending.push(Far { node: Address::ROOT, apart });
     while let Some(Far { mut node, apart }) = pending.pop() {
         if square(apart) > search.limit {
             continue;
         }
         let leaf = loop {
-            let Inner { axis, split, left, stride, t_reference } = match nodes.node(node) {
+            // SAFETY: the node is the root or a child of a node of this tree.
+            let inner = match unsafe { nodes.node(node) } {
                 Step::Inner(inner) => inner,
                 Step::Leaf(leaf) => break leaf,
             };
-            if let Some(triangle) = t_reference {
-                search.offer(&nodes.corners(triangle), triangle);
+            if let Some(triangle) = inner.t_reference {
+                // SAFETY: an inner node of this tree names the triangle.
+                search.offer(&unsafe { nodes.corners(triangle) }, triangle);
             }
-            let (place, cell) = planes.exact(axis, split);
-            let beyond = place - point[axis];
-            let near = if beyond < 0.0 { stride } else { 0 };
-            let mut far = apart;
-            far[axis] = far[axis].max(beyond.abs() - cell);
-            if square(far) <= search.limit {
-                pending.push(Far { node: left + (stride - near), apart: far });
+            let (place, cell) = planes.exact(inner.axis, inner.split);
+            let beyond = place - point[inner.axis];
+            let (near, far) = inner.near_and_far(if beyond < 0.0 { u32::MAX } else { 0 });
+            let mut far_apart = apart;
+            far_apart[inner.axis] = far_apart[inner.axis].max(beyond.abs() - cell);
+            if square(far_apart) <= search.limit {
+                pending.push(Far { node: far, apart: far_apart });
             }
             // The near half is as far as the whole: its face that the point may be beside is the voxel's own.
-            node = left + near;
+            node = near;
         };
-        nodes.for_each(leaf, |id| search.offer(&nodes.corners(id), id));
+        // SAFETY: the leaf and its ids come from this tree.
+        unsafe { nodes.for_each(leaf, |id| search.offer(&nodes.corners(id), id)) };
     }
 }

@@ -33,6 +33,7 @@
 use super::counters::count;
 use super::sink::Sink;
 use crate::geometry::{Aabb, Intersection, Ray, Shear};
+use crate::layout::Planes;
 
 /// Half-width of a split plane relative to M; derived in the module head.
 const SLACK: f32 = 1.0 / (1 << 19) as f32;
@@ -49,37 +50,6 @@ pub(super) const LEAST_SCALED: f32 = 1.0 / (1 << 16) as f32;
 /// Smallest direction component relative to the largest: below it, a ray is parallel to the plane.
 pub(super) const PARALLEL: f32 = 1.0 / (1u64 << 60) as f32;
 
-/// The coordinates that a layout gives its split planes in: `(x − low) · scale + shift` on each axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Planes {
-    pub(crate) low: [f32; 3],
-    /// Powers of two.
-    pub(crate) scale: [f32; 3],
-    /// Their reciprocals.
-    pub(crate) unscale: [f32; 3],
-    pub(crate) shift: f32,
-    /// How far a plane may stand from where it was chosen, in these coordinates.
-    pub(crate) cell: f32,
-}
-
-impl Planes {
-    /// Exact planes in scene units.
-    pub(crate) const WORLD: Self =
-        Self { low: [0.0; 3], scale: [1.0; 3], unscale: [1.0; 3], shift: 0.0, cell: 0.0 };
-
-    /// A plane in scene units, and how far it may stand from where it was chosen.
-    pub(crate) fn exact(&self, axis: usize, split: f32) -> (f64, f64) {
-        let unscale = f64::from(self.unscale[axis]);
-        let place = (f64::from(split) - f64::from(self.shift)) * unscale;
-        (place + f64::from(self.low[axis]), f64::from(self.cell) * unscale)
-    }
-
-    /// A plane in scene units.
-    pub(crate) fn world(&self, axis: usize, split: f32) -> f32 {
-        (split - self.shift) * self.unscale[axis] + self.low[axis]
-    }
-}
-
 /// A ray with everything precomputed that traversal and triangle tests use.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PreparedRay {
@@ -91,7 +61,7 @@ pub(crate) struct PreparedRay {
     /// Half-widths of split planes along the ray, scaled units.
     pub(crate) slack: [f32; 3],
     /// All ones where the ray descends on that axis, so that the right child is the near one; else 0.
-    pub(crate) near: [u32; 3],
+    pub(crate) descends: [u32; 3],
     /// Interval inside the bounds, scaled units.
     pub(crate) enter: f32,
     pub(crate) exit: f32,
@@ -123,7 +93,7 @@ impl PreparedRay {
             LEAST * larger(scale * LEAST_SCALED, 1.0)
         };
         let reach = 4.0 * reach + least;
-        let (mut inverse, mut widths, mut near) = ([0.0; 3], [0.0; 3], [0; 3]);
+        let (mut inverse, mut widths, mut descends) = ([0.0; 3], [0.0; 3], [0; 3]);
         let (t_min, t_max) = (larger(ray.t_min, f32::MIN), smaller(ray.t_max, f32::MAX));
         let (mut enter, mut exit) = (t_min * scale, t_max * scale);
         let unscale = reciprocal(scale);
@@ -133,7 +103,7 @@ impl PreparedRay {
             let inverted = 1.0 / d;
             inverse[k] = inverted * planes.unscale[k];
             widths[k] = (reach * planes.scale[k] * QUARTER_SLACK + planes.cell) * inverse[k].abs();
-            near[k] = if d < 0.0 { u32::MAX } else { 0 };
+            descends[k] = if d < 0.0 { u32::MAX } else { 0 };
             let (low, high) =
                 ((bounds.min[k] - ray.origin[k]) * inverted, (bounds.max[k] - ray.origin[k]) * inverted);
             let (first, last) = if d < 0.0 { (high, low) } else { (low, high) };
@@ -145,7 +115,7 @@ impl PreparedRay {
             origin: std::array::from_fn(|k| (ray.origin[k] - planes.low[k]) * planes.scale[k] + planes.shift),
             inverse,
             slack: widths,
-            near,
+            descends,
             enter,
             exit,
             t_min,
@@ -174,7 +144,7 @@ impl PreparedRay {
 
     /// Offers what lies in the ray's interval. `true` ends the traversal.
     #[inline(always)]
-    pub(super) fn hand_over(&self, found: Option<Intersection>, triangle: u32, sink: &mut impl Sink) -> bool {
+    pub(crate) fn hand_over(&self, found: Option<Intersection>, triangle: u32, sink: &mut impl Sink) -> bool {
         match found {
             Some(found) if self.t_min <= found.t && found.t <= self.t_max => sink.offer(found, triangle),
             _ => false,

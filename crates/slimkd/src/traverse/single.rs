@@ -17,7 +17,7 @@
 use super::counters::count;
 use super::prepared::{PreparedRay, larger, smaller};
 use super::sink::Sink;
-use crate::tree::{Ids, Inner, Nodes, Step};
+use crate::layout::{Address, Ids, Nodes, Step};
 use std::mem::MaybeUninit;
 
 /// Deepest tree whose far children fit the stack in the frame; scenes measured so far end at depth 30 to 60.
@@ -26,7 +26,7 @@ const SMALL_DEPTH: usize = 64;
 /// A far child to come back to.
 #[derive(Clone, Copy)]
 struct Far {
-    node: u32,
+    node: Address,
     enter: f32,
     exit: f32,
 }
@@ -50,7 +50,8 @@ fn along<const Z: usize>(nodes: impl Nodes, depth: u32, ray: &PreparedRay, sink:
     }
 }
 
-/// `stack` has room for one more than the depth: what is not kept is written too.
+/// `stack` has room for one more than the depth: the far child is written whether or not it is kept, so that this is no branch, and
+/// kept only where `top` advances.
 #[inline(always)]
 fn walk<const Z: usize, S: Sink>(
     nodes: impl Nodes,
@@ -60,30 +61,36 @@ fn walk<const Z: usize, S: Sink>(
 ) {
     let mut top = 0;
     let mut buffer = Ids::new();
-    let mut at = 0;
+    let mut at = Address::ROOT;
     let (mut enter, mut exit) = (ray.enter, ray.exit);
     count(|c| (c.rays, c.walks) = (c.rays + 1, c.walks + 1));
     loop {
+        // Down to the nearest leaf; far children that the ray meets too wait on the stack.
         let mut leaf = loop {
             sink.visit();
             count(|c| {
                 (c.nodes, c.ray_nodes, c.node_lanes) = (c.nodes + 1, c.ray_nodes + 1, c.node_lanes + 1)
             });
-            let Inner { axis, split, left, stride, t_reference } = match nodes.node(at) {
+            // SAFETY: `at` is the root or a child of a node of this tree.
+            let inner = match unsafe { nodes.node(at) } {
                 Step::Inner(inner) => inner,
                 Step::Leaf(leaf) => break leaf,
             };
-            if let Some(triangle) = t_reference {
+            if let Some(triangle) = inner.t_reference
+                && !sink.knows(triangle)
+            {
                 sink.test();
-                if ray.offer::<Z>(&nodes.corners(triangle), triangle, sink) {
+                // SAFETY: an inner node of this tree names the triangle.
+                if ray.offer::<Z>(&unsafe { nodes.corners(triangle) }, triangle, sink) {
                     return;
                 }
                 exit = smaller(sink.limit() * ray.scale, exit);
             }
-            let middle = (split - ray.origin[axis]) * ray.inverse[axis];
+            // The plane is a slab: the ray leaves the near child at `last` and enters the far one at `first`.
+            let axis = inner.axis;
+            let middle = (inner.split - ray.origin[axis]) * ray.inverse[axis];
             let (first, last) = (middle - ray.slack[axis], middle + ray.slack[axis]);
-            let near = ray.near[axis] & stride;
-            let (near, far) = (left + near, left + (stride - near));
+            let (near, far) = inner.near_and_far(ray.descends[axis]);
             let near_only = exit < first;
             if S::COHERENT && near_only {
                 at = near;
@@ -99,7 +106,8 @@ fn walk<const Z: usize, S: Sink>(
             }
         };
         loop {
-            let ids = nodes.take(&mut leaf, &mut buffer);
+            // SAFETY: the leaf comes from this tree.
+            let ids = unsafe { nodes.take(&mut leaf, &mut buffer) };
             if ids.is_empty() {
                 break;
             }
@@ -108,11 +116,13 @@ fn walk<const Z: usize, S: Sink>(
                     continue;
                 }
                 sink.test();
-                if ray.offer::<Z>(&nodes.corners(id), id, sink) {
+                // SAFETY: a leaf of this tree names the triangle.
+                if ray.offer::<Z>(&unsafe { nodes.corners(id) }, id, sink) {
                     return;
                 }
             }
         }
+        // Back to the nearest far child that may hold something nearer than the best hit.
         let limit = sink.limit() * ray.scale;
         loop {
             if top == 0 {

@@ -12,12 +12,12 @@
 //! (`traverse/prepared.rs`: its slack has room for 17 parts of 2⁻²⁴ of M more; [`NEAR`] and [`NARROW`] together stay below one
 //! where the largest coordinate is below 2¹⁷ M). So a complete tree answers rays as brute force does.
 
-use super::nodes::{Inner, Nodes, Step, with_nodes};
 use super::{KdTree, walk};
-use crate::build::{Polygon, Progress};
-use crate::geometry::TriangleMesh;
-use rayon::prelude::*;
-use std::sync::atomic::{AtomicI64, Ordering::Relaxed};
+use crate::geometry::{Polygon, TriangleMesh};
+use crate::job::Progress;
+use crate::layout::{Address, Inner, Nodes, Step, with_nodes};
+use crate::threads;
+use std::sync::atomic::{AtomicI64, AtomicUsize, Ordering::Relaxed};
 use thiserror::Error;
 
 /// Nearer to a plane than this part of the triangle's largest coordinate on its axis is on both sides of it. A builder cuts
@@ -88,30 +88,51 @@ fn check<N: Nodes + Sync>(tree: &KdTree, nodes: N, progress: &Progress) -> Resul
     let left = AtomicI64::new(i64::try_from(STEPS * size).unwrap_or(i64::MAX));
     progress.begin(1.0);
     let share = CHUNK as f64 / valid.len().max(1) as f64;
-    let wrong = valid.par_chunks(CHUNK).find_map_first(|ids| {
-        let mut walk = Walk::new(nodes, &listing);
-        for &triangle in ids {
-            if progress.is_cancelled() {
-                return Some(CompletenessError::Cancelled);
-            }
-            // Threads may each take what is left, so it can fall below 0.
-            let before = left.load(Relaxed).max(0);
-            walk.steps = before as u64;
-            let complete = walk.run(&tree.mesh, triangle);
-            left.fetch_sub(before - walk.steps as i64, Relaxed);
-            match complete {
-                Some(true) => {}
-                Some(false) => return Some(CompletenessError::Missing { triangle }),
-                None => return Some(CompletenessError::TooLong),
-            }
+    // The first chunk with an error; those behind it need not be looked at.
+    let first = AtomicUsize::new(usize::MAX);
+    let found = threads::map(valid.chunks(CHUNK).enumerate(), |(number, ids)| {
+        if number > first.load(Relaxed) {
+            return Ok(None);
+        }
+        let found = check_chunk(tree, nodes, &listing, ids, &left, progress).err();
+        if found.is_some() {
+            first.fetch_min(number, Relaxed);
         }
         progress.advance(share);
-        None
-    });
-    if let Some(error) = wrong {
+        Ok::<_, CompletenessError>(found)
+    })?;
+    if let Some(error) = found.into_iter().flatten().next() {
         return Err(error);
     }
     progress.finish();
+    Ok(())
+}
+
+/// Proves triangles complete, one after the other; `left` are the steps that all threads may still take.
+fn check_chunk<N: Nodes>(
+    tree: &KdTree,
+    nodes: N,
+    listing: &Listing,
+    ids: &[u32],
+    left: &AtomicI64,
+    progress: &Progress,
+) -> Result<(), CompletenessError> {
+    let mut walk = Walk::new(nodes, listing);
+    for &triangle in ids {
+        if progress.is_cancelled() {
+            return Err(CompletenessError::Cancelled);
+        }
+        // Threads may each take what is left, so it can fall below 0.
+        let before = left.load(Relaxed).max(0);
+        walk.steps = before as u64;
+        let complete = walk.run(&tree.mesh, triangle);
+        left.fetch_sub(before - walk.steps as i64, Relaxed);
+        match complete {
+            Some(true) => {}
+            Some(false) => return Err(CompletenessError::Missing { triangle }),
+            None => return Err(CompletenessError::TooLong),
+        }
+    }
     Ok(())
 }
 
@@ -128,7 +149,8 @@ impl Listing {
         let each = |visit: &mut dyn FnMut(u32, u32)| {
             walk::for_each(nodes, crate::geometry::Aabb::EMPTY, |at, node| {
                 if let Step::Leaf(leaf) = node {
-                    nodes.for_each(leaf, |id| visit(id, at.address));
+                    // SAFETY: the leaf comes from this tree.
+                    unsafe { nodes.for_each(leaf, |id| visit(id, at.address.get())) };
                 }
             });
         };
@@ -172,7 +194,7 @@ fn zeros<T: Copy + Default>(count: usize) -> Result<Vec<T>, CompletenessError> {
 /// A part of a triangle on its way down.
 struct Piece {
     polygon: Polygon,
-    node: u32,
+    node: Address,
     /// Where it goes if the leaf that it comes to does not name the triangle: an index into the rescues.
     rescue: Option<u32>,
 }
@@ -180,7 +202,7 @@ struct Piece {
 /// The other side of a plane that a piece lies within, and what comes after that.
 #[derive(Clone, Copy)]
 struct Rescue {
-    node: u32,
+    node: Address,
     next: Option<u32>,
 }
 
@@ -207,13 +229,14 @@ impl<'a, N: Nodes> Walk<'a, N> {
         self.rescues.clear();
         let polygon = Polygon::new(&mesh.corners(triangle));
         self.largest = [0, 1, 2].map(|k| polygon.corners().iter().fold(0.0, |a, b| b[k].abs().max(a)));
-        self.pieces.push(Piece { polygon, node: 0, rescue: None });
+        self.pieces.push(Piece { polygon, node: Address::ROOT, rescue: None });
         while let Some(piece) = self.pieces.pop() {
             self.steps = self.steps.checked_sub(1)?;
-            match self.nodes.node(piece.node) {
+            // SAFETY: the node is the root or a child of a node of this tree.
+            match unsafe { self.nodes.node(piece.node) } {
                 Step::Inner(Inner { t_reference, .. }) if t_reference == Some(triangle) => {}
                 Step::Inner(inner) => self.split(&piece, &inner),
-                Step::Leaf(_) if self.listing.names(piece.node, triangle) => {}
+                Step::Leaf(_) if self.listing.names(piece.node.get(), triangle) => {}
                 Step::Leaf(_) => match piece.rescue {
                     Some(rescue) => {
                         let Rescue { node, next } = self.rescues[rescue as usize];
@@ -228,14 +251,14 @@ impl<'a, N: Nodes> Walk<'a, N> {
     }
 
     /// Sends the parts of a piece to the children.
-    fn split(&mut self, piece: &Piece, &Inner { axis, split, left, stride, .. }: &Inner) {
+    fn split(&mut self, piece: &Piece, inner: &Inner) {
+        let (axis, left, right) = (inner.axis, inner.left(), inner.right());
         let &Piece { ref polygon, rescue, .. } = piece;
-        let (place, cell) = self.nodes.planes().exact(axis, split);
+        let (place, cell) = self.nodes.planes().exact(axis, inner.split);
         let reach = cell + NEAR * self.largest[axis];
         let (first, last) = (place - reach, place + reach);
         let along = polygon.corners().iter().map(|corner| corner[axis]);
         let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-        let right = left + stride;
         let mut middle = *polygon;
         if low < first {
             if high <= first {
@@ -268,7 +291,7 @@ impl<'a, N: Nodes> Walk<'a, N> {
         axis: usize,
         at: f64,
         sign: f64,
-        node: u32,
+        node: Address,
         rescue: Option<u32>,
     ) {
         let mut part = *polygon;

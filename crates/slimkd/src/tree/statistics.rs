@@ -1,7 +1,11 @@
 //! The shape of a tree in numbers.
 
+use crate::layout::LeafMode;
+
 /// Nodes by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct NodeCounts {
     /// Inner nodes without a T-reference.
     pub inner: u64,
@@ -15,6 +19,8 @@ pub struct NodeCounts {
 
 /// Triangle references of the leaves by mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct LeafReferences {
     /// In 4-byte mode.
     pub four_byte: u64,
@@ -22,14 +28,6 @@ pub struct LeafReferences {
     pub two_byte: u64,
     /// In any other mode: the dense layout's byte codes.
     pub other: u64,
-}
-
-/// How a leaf writes its ids.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum LeafMode {
-    FourByte,
-    TwoByte,
-    Coded,
 }
 
 impl LeafReferences {
@@ -45,6 +43,7 @@ impl LeafReferences {
 /// What a tree looks like.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TreeStatistics {
     /// Triangles of the mesh, degenerate ones included.
     pub triangles: u64,

@@ -1,14 +1,15 @@
-//! Walks over an encoded tree of either layout: depth, counts, statistics.
+//! Passes over a whole encoded tree of either layout: depth, counts, statistics.
 
 use super::KdTree;
-use super::nodes::{Inner, Nodes, Step, with_nodes};
 use super::statistics::{LeafReferences, NodeCounts, TreeStatistics};
-use crate::build::{BuildError, Progress};
 use crate::geometry::Aabb;
+use crate::job::Progress;
+use crate::layout::{Address, Inner, Nodes, Step, with_nodes};
+use crate::options::BuildError;
 
 /// A node that a walk visits.
 pub(super) struct Visit {
-    pub(super) address: u32,
+    pub(super) address: Address,
     depth: u32,
     voxel: Aabb,
 }
@@ -16,15 +17,16 @@ pub(super) struct Visit {
 /// Calls `visit` for every node, parents before children.
 pub(super) fn for_each<N: Nodes>(nodes: N, root: Aabb, mut visit: impl FnMut(&Visit, Step<N::Leaf>)) {
     let planes = nodes.planes();
-    let mut pending = vec![Visit { address: 0, depth: 0, voxel: root }];
+    let mut pending = vec![Visit { address: Address::ROOT, depth: 0, voxel: root }];
     while let Some(at) = pending.pop() {
-        let node = nodes.node(at.address);
+        // SAFETY: the address is the root's or that of a child of a node of this tree.
+        let node = unsafe { nodes.node(at.address) };
         visit(&at, node);
-        if let Step::Inner(Inner { axis, split, left: child, stride, .. }) = node {
-            let (left, right) = at.voxel.split(axis, planes.world(axis, split));
+        if let Step::Inner(inner) = node {
+            let (left, right) = at.voxel.split(inner.axis, planes.world(inner.axis, inner.split));
             let depth = at.depth + 1;
-            pending.push(Visit { address: child + stride, depth, voxel: right });
-            pending.push(Visit { address: child, depth, voxel: left });
+            pending.push(Visit { address: inner.right(), depth, voxel: right });
+            pending.push(Visit { address: inner.left(), depth, voxel: left });
         }
     }
 }
@@ -33,13 +35,14 @@ pub(super) fn for_each<N: Nodes>(nodes: N, root: Aabb, mut visit: impl FnMut(&Vi
 pub(super) fn max_depth(tree: &KdTree, progress: &Progress) -> Result<u32, BuildError> {
     with_nodes!(tree, nodes => {
         let (mut deepest, mut visited) = (0, 0);
-        let mut pending = vec![(0, 0)];
+        let mut pending = vec![(Address::ROOT, 0)];
         while let Some((address, depth)) = pending.pop() {
             progress.check_at(visited)?;
             visited += 1;
             deepest = deepest.max(depth);
-            if let Step::Inner(Inner { left, stride, .. }) = nodes.node(address) {
-                pending.extend([(left + stride, depth + 1), (left, depth + 1)]);
+            // SAFETY: the address is the root's or that of a child of a node of this tree.
+            if let Step::Inner(inner) = unsafe { nodes.node(address) } {
+                pending.extend([(inner.right(), depth + 1), (inner.left(), depth + 1)]);
             }
         }
         Ok(deepest)
@@ -73,10 +76,12 @@ fn statistics_of<N: Nodes>(tree: &KdTree, view: N) -> TreeStatistics {
         match node {
             Step::Leaf(leaf) => {
                 let mut count = 0;
-                view.for_each(leaf, |id| {
+                let count_one = |id| {
                     per_triangle[id as usize] += 1;
                     count += 1;
-                });
+                };
+                // SAFETY: the leaf comes from this tree.
+                unsafe { view.for_each(leaf, count_one) };
                 nodes.leaf += 1;
                 nodes.empty_leaf += u64::from(count == 0);
                 *references.of(N::mode(leaf)) += count;
@@ -117,9 +122,10 @@ fn statistics_of<N: Nodes>(tree: &KdTree, view: N) -> TreeStatistics {
 }
 
 /// Calls `visit` for every triangle id that a leaf or an inner node names.
-pub(super) fn for_each_reference(tree: &KdTree, mut visit: impl FnMut(u32)) {
+pub(crate) fn for_each_reference(tree: &KdTree, mut visit: impl FnMut(u32)) {
     with_nodes!(tree, nodes => for_each(nodes, Aabb::EMPTY, |_, node| match node {
-        Step::Leaf(leaf) => nodes.for_each(leaf, &mut visit),
+        // SAFETY: the leaf comes from this tree.
+        Step::Leaf(leaf) => unsafe { nodes.for_each(leaf, &mut visit) },
         Step::Inner(Inner { t_reference, .. }) => t_reference.into_iter().for_each(&mut visit),
     }));
 }

@@ -1,12 +1,20 @@
 //! Meshes and rays that several tests use.
 #![allow(dead_code, unreachable_pub)] // each test file uses its own part
 
-use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Layout, Preset, Ray, Sweep, TriangleMesh};
+use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Layout, Preset, Ray, TriangleMesh};
 
 /// How many, from the environment or else `few`: what makes a campaign of a test.
 pub fn how_many(variable: &str, few: u64) -> u64 {
     std::env::var(variable)
         .map_or(few, |n| n.parse().unwrap_or_else(|_| panic!("{variable}={n} is no number")))
+}
+
+/// Says that a test needs what is not here, and why that is a pity. `SLIMKD_REQUIRE=qemu,objdump` makes that a failure for the tools that
+/// it names, so that nothing is skipped in silence where everything should run.
+pub fn missing(tool: &str, so: &str) {
+    let required = std::env::var("SLIMKD_REQUIRE").unwrap_or_default();
+    assert!(!required.split(',').any(|name| name == tool), "{tool} is missing: {so}");
+    println!("skipped: no {tool}, {so}");
 }
 
 /// Threads that a campaign takes, `SLIMKD_WORKERS`.
@@ -23,44 +31,40 @@ pub fn on_workers<T: Send>(work: impl Fn(u64) -> T + Sync) -> Vec<T> {
     })
 }
 
-/// Every preset, and each option that changes what a tree looks like.
+/// Every preset, and each option that changes what a tree looks like, with each that it may meet.
 pub fn variants() -> Vec<(String, BuildOptions)> {
-    let mut out = Vec::new();
-    for &preset in Preset::ALL {
-        let plain = BuildOptions::from(preset);
-        let mut collapsed = plain.clone();
-        collapsed.collapse = true;
-        let mut pruned = collapsed.clone();
-        pruned.byte_weight = 0.2;
-        out.push((format!("{} + collapse", preset.name()), collapsed));
-        out.push((format!("{} + collapse by bytes", preset.name()), pruned));
-        if plain.hoisting.is_some() {
-            for (label, algorithm) in
-                [("rebuild", HoistAlgorithm::Rebuild), ("predict", HoistAlgorithm::Predict)]
-            {
-                let mut other = plain.clone();
-                other.hoisting.as_mut().unwrap().algorithm = algorithm;
-                out.push((format!("{} + {label}", preset.name()), other));
+    let mut out: Vec<(String, BuildOptions)> =
+        Preset::ALL.iter().map(|&preset| (preset.to_string(), preset.into())).collect();
+    // Layouts, clipping and collapse, on the constants of `standard`.
+    for layout in [Layout::FourByte, Layout::TwoByte, Layout::Dense] {
+        for clipping in [Clipping::Exact, Clipping::ExactFrom(40), Clipping::Box] {
+            for byte_weight in [None, Some(0.0), Some(0.2)] {
+                let mut options = BuildOptions::from(Preset::Standard);
+                (options.layout, options.clipping) = (layout, clipping);
+                (options.collapse, options.byte_weight) = (byte_weight.is_some(), byte_weight.unwrap_or(0.0));
+                let collapse =
+                    byte_weight.map_or_else(String::new, |weight| format!(", collapse at {weight}"));
+                out.push((format!("{layout}, clipping {clipping}{collapse}"), options));
             }
         }
-        out.push((preset.name().to_string(), plain));
+    }
+    for preset in [Preset::PaperFast, Preset::PaperSmall] {
+        for algorithm in [HoistAlgorithm::Strip, HoistAlgorithm::Rebuild] {
+            for byte_weight in [None, Some(0.2)] {
+                let mut options = BuildOptions::from(preset);
+                options.hoisting.as_mut().unwrap().algorithm = algorithm;
+                (options.collapse, options.byte_weight) = (byte_weight.is_some(), byte_weight.unwrap_or(0.0));
+                let collapse =
+                    byte_weight.map_or_else(String::new, |weight| format!(", collapse at {weight}"));
+                out.push((format!("{preset}, {algorithm}{collapse}"), options));
+            }
+        }
     }
     for layout in [Layout::FourByte, Layout::TwoByte] {
-        let mut slim = BuildOptions::from(Preset::Slim);
-        slim.layout = layout;
-        out.push((format!("slim, {layout:?}"), slim));
+        let mut options = BuildOptions::from(Preset::Slim);
+        options.layout = layout;
+        out.push((format!("slim, {layout}"), options));
     }
-    for (preset, least) in [(Preset::Standard, 0), (Preset::Slim, 0), (Preset::Slim, 300)] {
-        let mut binned = BuildOptions::from(preset);
-        binned.sweep = Sweep::BinnedFrom(least);
-        out.push((format!("{}, binned from {least}", preset.name()), binned));
-    }
-    let mut dense = BuildOptions::from(Preset::Standard);
-    dense.layout = Layout::Dense;
-    out.push(("standard, dense".into(), dense));
-    let mut boxed = BuildOptions::default();
-    boxed.clipping = Clipping::Box;
-    out.push(("standard, box clipping".into(), boxed));
     out
 }
 

@@ -104,6 +104,11 @@ impl Reader<'_> {
         }
     }
 
+    /// How many components each entry has.
+    pub(super) fn width(&self, index: usize) -> usize {
+        self.root.accessors.get(index).and_then(|accessor| components(&accessor.kind)).unwrap_or(0)
+    }
+
     /// Calls `each` with the components of every entry. Entries must have `N` components at least. The caller has checked
     /// the count against a budget: an accessor without a view is zeros that take no bytes.
     pub(super) fn read<const N: usize, T>(

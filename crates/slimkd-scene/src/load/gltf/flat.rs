@@ -8,7 +8,7 @@ use super::{
     skin::Pose,
 };
 use crate::{
-    Attribute, Scene,
+    Attribute, Scene, Warning, WarningKind,
     load::{LoadError, LoadProgress, Place, source::growth_limit, warn},
 };
 use glam::{DAffine2, DMat3, DMat4, DVec2, DVec3};
@@ -18,7 +18,7 @@ use std::{collections::HashMap, rc::Rc, sync::Arc};
 /// Least budget that drawing a primitive, or placing an instance, costs, bytes: many empty ones cost time.
 const PRIMITIVE: u64 = 256;
 /// Position, normal, texture coordinates, colour.
-const VERTEX: u64 = 48;
+const VERTEX: u64 = 40;
 /// The triangle, its material, and up to two index triples.
 const TRIANGLE: u64 = 40;
 /// A vertex while it is put together out of morph targets or joints.
@@ -51,6 +51,7 @@ struct Run {
     end: usize,
     normals: bool,
     uvs: bool,
+    colours: bool,
 }
 
 /// The flattened scene.
@@ -61,6 +62,7 @@ pub(super) struct Flat<'a> {
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
+    colours: Vec<[u8; 4]>,
     triangles: Vec<[u32; 3]>,
     material_ids: Vec<u32>,
     runs: Vec<Run>,
@@ -98,6 +100,7 @@ impl<'a> Flat<'a> {
             positions: Vec::new(),
             normals: Vec::new(),
             uvs: Vec::new(),
+            colours: Vec::new(),
             triangles: Vec::new(),
             material_ids: Vec::new(),
             runs: Vec::new(),
@@ -288,6 +291,18 @@ impl<'a> Flat<'a> {
             self.uvs.extend(uvs);
         }
 
+        let colours = match primitive.attributes.get(Semantic::Colour).map(|accessor| reader.width(accessor))
+        {
+            None => None,
+            Some(3) => vertices.read(Semantic::Colour, |[r, g, b]: [f64; 3]| srgb([r, g, b, 1.0]))?,
+            Some(_) => vertices.read(Semantic::Colour, srgb)?,
+        };
+        let has_colours = colours.is_some();
+        if let Some(colours) = colours {
+            self.colours.resize(first, [0; 4]);
+            self.colours.extend(colours);
+        }
+
         let (corners, mode) = match (&unpacked, primitive.indices) {
             (Some(mesh), _) => {
                 self.spend(mesh.triangles().count() as u64 * 12)?;
@@ -320,7 +335,12 @@ impl<'a> Flat<'a> {
             None => self.triangles(&corners, mode, first as u32, drawn)?,
         }
         self.material_ids.resize(self.triangles.len(), material as u32);
-        self.runs.push(Run { end: self.triangles.len(), normals: has_normals, uvs: has_uvs });
+        self.runs.push(Run {
+            end: self.triangles.len(),
+            normals: has_normals,
+            uvs: has_uvs,
+            colours: has_colours,
+        });
         Ok(())
     }
 
@@ -358,15 +378,16 @@ impl<'a> Flat<'a> {
         let Ignored { primitives, lines, without_positions, corners } = self.ignored;
         for (count, what) in [(lines, "are points or lines"), (without_positions, "have no POSITION")] {
             if count > 0 {
-                let what = format!("{count} of {primitives} primitives {what} and were left out");
-                warn(&mut scene.warnings, what);
+                let what = format!("primitives {what} and were left out");
+                let warning = Warning::counted(WarningKind::Ignored, count, primitives, what);
+                warn(&mut scene.warnings, warning);
             }
         }
         if corners > 0 {
             let what = format!(
                 "{corners} corners were left out: lists of triangles that are not a multiple of 3 long"
             );
-            warn(&mut scene.warnings, what);
+            warn(&mut scene.warnings, Warning::new(WarningKind::Invalid, what));
         }
         let plain = (scene.materials.len() - 1) as u32;
         if !self.material_ids.contains(&plain) && plain > 0 {
@@ -376,12 +397,20 @@ impl<'a> Flat<'a> {
         let runs = |has: fn(&Run) -> bool| self.runs.iter().map(move |run| (run.end, has(run)));
         scene.normals = attribute(self.normals, vertices, &self.triangles, runs(|run| run.normals));
         scene.uvs = attribute(self.uvs, vertices, &self.triangles, runs(|run| run.uvs));
+        scene.colours = attribute(self.colours, vertices, &self.triangles, runs(|run| run.colours));
         if self.material_ids.iter().any(|&id| id > 0) {
             scene.material_ids = self.material_ids;
         }
         scene.mesh = Arc::new(TriangleMesh::new(self.positions, self.triangles)?);
         Ok(scene)
     }
+}
+
+/// A linear colour with its opacity as sRGB (IEC 61966-2-1) of 8 bits, which scenes keep.
+fn srgb([r, g, b, a]: [f64; 4]) -> [u8; 4] {
+    let byte = |value: f64| (value.clamp(0.0, 1.0) * 255.0).round() as u8;
+    let curve = |x: f64| if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
+    [byte(curve(r)), byte(curve(g)), byte(curve(b)), byte(a)]
 }
 
 /// What normals become under a transform of points.

@@ -6,7 +6,7 @@ use super::{
     reader::Reader,
 };
 use crate::{
-    Material,
+    Material, Warning, WarningKind,
     load::{textures::Textures, warn},
 };
 use glam::{DAffine2, DVec2, Vec3};
@@ -16,7 +16,11 @@ const DIELECTRIC: f32 = 0.04;
 
 impl Reader<'_> {
     /// All materials of the file, in order, then a plain one for primitives without.
-    pub(super) fn materials(&self, textures: &mut Textures<'_>, warnings: &mut Vec<String>) -> Vec<Material> {
+    pub(super) fn materials(
+        &self,
+        textures: &mut Textures<'_>,
+        warnings: &mut Vec<Warning>,
+    ) -> Vec<Material> {
         let mut materials = Vec::with_capacity(self.root.materials.len() + 1);
         for source in &self.root.materials {
             let texture = source.texture().and_then(|info| self.texture(info, textures, warnings));
@@ -30,13 +34,14 @@ impl Reader<'_> {
         &self,
         info: &TextureInfo,
         textures: &mut Textures<'_>,
-        warnings: &mut Vec<String>,
+        warnings: &mut Vec<Warning>,
     ) -> Option<u32> {
         let index = info.index.0;
         let source = self.root.textures.get(index).and_then(json::Texture::image);
         let image = source.and_then(|source| Some((source, self.root.images.get(source)?)));
         let Some((source, image)) = image else {
-            warn(warnings, format!("textures[{index}] names no image and was left out"));
+            let what = format!("textures[{index}] names no image and was left out");
+            warn(warnings, Warning::new(WarningKind::Missing, what));
             return None;
         };
         let folder = textures.folder;

@@ -27,7 +27,7 @@ use super::{
     textures::Textures,
     warn,
 };
-use crate::{Scene, UpAxis};
+use crate::{Scene, UpAxis, Warning, WarningKind};
 use container::Buffers;
 use extensions::Known;
 use flat::Flat;
@@ -54,8 +54,9 @@ pub(super) fn parse(
     notice(&root, chosen, &mut scene.warnings);
     if placements.hidden > 0 {
         let (hidden, all) = (placements.hidden, placements.hidden + placements.list.len());
-        let what = format!("{hidden} of {all} nodes are hidden by KHR_node_visibility and were left out");
-        warn(&mut scene.warnings, what);
+        let what = "nodes are hidden by KHR_node_visibility and were left out";
+        let warning = Warning::counted(WarningKind::Ignored, hidden as u64, all as u64, what);
+        warn(&mut scene.warnings, warning);
     }
     let mut textures = Textures::new(folder);
     scene.materials = reader.materials(&mut textures, &mut scene.warnings);
@@ -67,16 +68,13 @@ pub(super) fn parse(
     // Weighed first, so that what is too much is refused before any of it takes memory.
     flat.weigh(&placements.list)?;
     let poses = reader.poses(&placements.list)?;
-    let unposed = placements.list.iter().filter(|placed| {
-        let node = &root.nodes[placed.node];
-        node.mesh.is_some() && node.skin.is_some_and(|skin| poses[skin.0].is_none())
-    });
-    match unposed.count() {
-        0 => {}
-        count => warn(
-            &mut scene.warnings,
-            format!("{count} skinned meshes stand as they were modelled: their joints are not in the scene"),
-        ),
+    let skin = |node: usize| root.nodes[node].mesh.and(root.nodes[node].skin);
+    let skins: Vec<usize> = placements.list.iter().filter_map(|placed| Some(skin(placed.node)?.0)).collect();
+    let unposed = skins.iter().filter(|&&skin| poses[skin].is_none()).count();
+    if unposed > 0 {
+        let what = "skinned meshes stand as they were modelled: their joints are not in the scene";
+        let warning = Warning::counted(WarningKind::Missing, unposed as u64, skins.len() as u64, what);
+        warn(&mut scene.warnings, warning);
     }
     flat.draw(&placements.list, &poses, progress)?;
     flat.finish(scene)
@@ -114,7 +112,8 @@ fn root(format: Format, bytes: &[u8], json: &[u8]) -> Result<Root, LoadError> {
 }
 
 /// Warns of what a file has and this reader leaves out as a whole.
-fn notice(root: &Root, chosen: Option<usize>, warnings: &mut Vec<String>) {
+fn notice(root: &Root, chosen: Option<usize>, warnings: &mut Vec<Warning>) {
+    let mut ignored = |what: String| warn(warnings, Warning::new(WarningKind::Ignored, what));
     let mut names: Vec<&String> = root.extensions_used.iter().chain(&root.extensions_required).collect();
     names.sort_unstable();
     names.dedup();
@@ -122,31 +121,23 @@ fn notice(root: &Root, chosen: Option<usize>, warnings: &mut Vec<String>) {
         let (known, name) = (extensions::known(name), quoted(name.as_bytes()));
         match known {
             Known::Followed => {}
-            Known::Harmless => {
-                warn(warnings, format!("extension {name} was left out; it moves no triangle"));
-            }
-            Known::Unknown => {
-                warn(warnings, format!("extension {name} is not known; what it adds was left out"))
-            }
+            Known::Harmless => ignored(format!("extension {name} was left out; it moves no triangle")),
+            Known::Unknown => ignored(format!("extension {name} is not known; what it adds was left out")),
         }
     }
     if let Some(centre) = &root.extensions.centre {
         let [x, y, z] = centre.center;
-        warn(warnings, format!("CESIUM_RTC was left out: the model belongs at ({x}, {y}, {z})"));
+        ignored(format!("CESIUM_RTC was left out: the model belongs at ({x}, {y}, {z})"));
     }
-    match root.animations.len() {
-        0 => {}
-        count => {
-            warn(warnings, format!("{count} animations were left out; the model stands as its nodes say"))
-        }
+    if !root.animations.is_empty() {
+        let count = root.animations.len();
+        ignored(format!("{count} animations were left out; the model stands as its nodes say"));
     }
     let scenes = root.scenes.len();
     if scenes > 1 && chosen.is_none() {
         let shown = root.scene.map_or(0, |scene| scene.0);
-        let what = format!(
-            "{} of {scenes} scenes were left out; this is scene {shown}, --scene-index chooses",
-            scenes - 1
-        );
-        warn(warnings, what);
+        let what = format!("scenes were left out; this is scene {shown}, --scene-index chooses");
+        let warning = Warning::counted(WarningKind::Ignored, scenes as u64 - 1, scenes as u64, what);
+        warn(warnings, warning);
     }
 }

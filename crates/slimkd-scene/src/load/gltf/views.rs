@@ -1,7 +1,7 @@
 //! glTF cameras and lights.
 
 use super::{json::Node, reader::Reader};
-use crate::{Camera, Light, Scene, load::warn};
+use crate::{Camera, Light, Scene, Warning, WarningKind, load::warn};
 use glam::{DMat4, DVec3, Vec3};
 
 impl Reader<'_> {
@@ -20,19 +20,21 @@ impl Reader<'_> {
                 }
                 _ => {
                     let what = format!("cameras[{}] has no perspective and was left out", camera.0);
-                    warn(&mut scene.warnings, what);
+                    warn(&mut scene.warnings, Warning::new(WarningKind::Ignored, what));
                 }
             }
         }
         let light = node.extensions.as_ref().and_then(|extensions| extensions.light.as_ref());
         let Some(index) = light.map(|light| light.light.0) else { return };
         let Some(light) = self.root.extensions.lights.lights.get(index) else {
-            warn(&mut scene.warnings, format!("lights[{index}] is missing and was left out"));
+            let what = format!("lights[{index}] is missing and was left out");
+            warn(&mut scene.warnings, Warning::new(WarningKind::Missing, what));
             return;
         };
         let power = Vec3::from(light.color).max(Vec3::ZERO) * light.intensity.max(0.0);
         if !power.is_finite() || !position.is_finite() {
-            warn(&mut scene.warnings, format!("lights[{index}] is not finite and was left out"));
+            let what = format!("lights[{index}] is not finite and was left out");
+            warn(&mut scene.warnings, Warning::new(WarningKind::Invalid, what));
             return;
         }
         scene.lights.push(match light.kind.as_str() {
@@ -40,7 +42,7 @@ impl Reader<'_> {
             "point" => Light::Point { position, intensity: power },
             _ => {
                 let what = format!("lights[{index}] is a spot light; it shines in all directions here");
-                warn(&mut scene.warnings, what);
+                warn(&mut scene.warnings, Warning::new(WarningKind::Ignored, what));
                 Light::Point { position, intensity: power }
             }
         });

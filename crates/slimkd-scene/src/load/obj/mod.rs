@@ -13,7 +13,7 @@ use super::{
     textures::Textures,
     warn,
 };
-use crate::{Attribute, Scene};
+use crate::{Attribute, Scene, Warning, WarningKind};
 use mtl::Library;
 use slimkd::TriangleMesh;
 use std::{
@@ -58,6 +58,8 @@ struct Obj {
     /// Names of the materials that faces use, in order of use; `None` before the first `usemtl`.
     used: Vec<Option<String>>,
     slivers: u64,
+    /// Faces with any number of corners.
+    faces: u64,
     known_lines: u64,
     unknown: Option<(u64, String)>,
 }
@@ -169,6 +171,7 @@ impl Obj {
 
     /// Adds the fan of a face.
     fn face(&mut self, corners: &[[u32; 3]], material: u32) {
+        self.faces += 1;
         if corners.len() < 3 {
             self.slivers += 1;
             return;
@@ -215,11 +218,12 @@ impl Obj {
         }
         let mut warnings = Vec::new();
         if let Some((line, text)) = self.unknown {
-            warn(&mut warnings, format!("unknown lines were ignored, the first is line {line}: {text}"));
+            let what = format!("unknown lines were ignored, the first is line {line}: {text}");
+            warn(&mut warnings, Warning::new(WarningKind::Ignored, what));
         }
         if self.slivers > 0 {
-            let slivers = self.slivers;
-            warn(&mut warnings, format!("{slivers} faces have fewer than 3 corners and were left out"));
+            let what = "faces have fewer than 3 corners and were left out";
+            warn(&mut warnings, Warning::counted(WarningKind::Invalid, self.slivers, self.faces, what));
         }
         let library = load_libraries(&self.libraries, folder, &mut warnings);
         let mut textures = Textures::new(folder);
@@ -256,7 +260,7 @@ fn attribute<T>(
     Some(Attribute { values, indices: (!same).then_some(indices) })
 }
 
-fn load_libraries(names: &[String], folder: Folder<'_>, warnings: &mut Vec<String>) -> Library {
+fn load_libraries(names: &[String], folder: Folder<'_>, warnings: &mut Vec<Warning>) -> Library {
     let mut library = Library::default();
     let mut seen = HashSet::new();
     for line in names {
@@ -271,7 +275,8 @@ fn load_libraries(names: &[String], folder: Folder<'_>, warnings: &mut Vec<Strin
                 Ok(bytes) => library.add(file, &bytes, warnings),
                 Err(why) => {
                     let file = quoted(file.as_bytes());
-                    warn(warnings, format!("material file {file} was left out: {why}"));
+                    let what = format!("material file {file} was left out: {why}");
+                    warn(warnings, Warning::new(WarningKind::Missing, what));
                 }
             }
         }

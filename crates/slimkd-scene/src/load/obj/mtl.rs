@@ -1,7 +1,7 @@
 //! MTL materials to ours.
 
 use super::super::{error::quoted, text, textures::Textures, warn};
-use crate::Material;
+use crate::{Material, Warning, WarningKind};
 use glam::Vec3;
 use std::collections::HashMap;
 
@@ -11,7 +11,7 @@ pub(super) struct Library(HashMap<String, tobj::Material>);
 
 impl Library {
     /// Adds what `bytes` define. One broken material costs itself, not the file.
-    pub(super) fn add(&mut self, file: &str, bytes: &[u8], warnings: &mut Vec<String>) {
+    pub(super) fn add(&mut self, file: &str, bytes: &[u8], warnings: &mut Vec<Warning>) {
         let text = String::from_utf8_lossy(bytes);
         let mut chunk = String::new();
         let mut define = |chunk: &str| match tobj::load_mtl_buf(&mut chunk.as_bytes()) {
@@ -23,7 +23,8 @@ impl Library {
             Err(error) => {
                 let start = chunk.lines().next().unwrap_or_default();
                 let (start, file) = (quoted(start.as_bytes()), quoted(file.as_bytes()));
-                warn(warnings, format!("{start} in {file} was left out: {error}"));
+                let what = format!("{start} in {file} was left out: {error}");
+                warn(warnings, Warning::new(WarningKind::Invalid, what));
             }
         };
         for line in text.lines() {
@@ -42,18 +43,19 @@ impl Library {
         &self,
         name: &str,
         textures: &mut Textures<'_>,
-        warnings: &mut Vec<String>,
+        warnings: &mut Vec<Warning>,
     ) -> Material {
         let Some(source) = self.0.get(name) else {
             let quoted = quoted(name.as_bytes());
-            warn(warnings, format!("material {quoted} is in no MTL file; a plain one stands in"));
+            let what = format!("material {quoted} is in no MTL file; a plain one stands in");
+            warn(warnings, Warning::new(WarningKind::Missing, what));
             return Material { name: name.to_owned(), ..Default::default() };
         };
         convert(source, textures, warnings)
     }
 }
 
-fn convert(source: &tobj::Material, textures: &mut Textures<'_>, warnings: &mut Vec<String>) -> Material {
+fn convert(source: &tobj::Material, textures: &mut Textures<'_>, warnings: &mut Vec<Warning>) -> Material {
     let colour = |value: [f32; 3]| Vec3::from(value.map(share));
     let other = |name: &str| source.unknown_param.get(name).map(|value| text::words(value.as_bytes()));
     let mut material = Material {

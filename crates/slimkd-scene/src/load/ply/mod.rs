@@ -6,7 +6,7 @@ mod uniform;
 mod values;
 
 use super::{Format, LoadError, LoadProgress, Place};
-use crate::{Attribute, Scene};
+use crate::{Attribute, Scene, Warning, WarningKind};
 use header::{Element, Encoding, Header, Number};
 use roles::{SLOTS, Slots, VertexColumns, corner_list};
 use slimkd::TriangleMesh;
@@ -226,14 +226,13 @@ impl<'h> Body<'h> {
             ..Default::default()
         };
         if self.slivers > 0 {
-            scene
-                .warnings
-                .push(format!("{} faces have fewer than 3 corners and were left out", self.slivers));
+            let faces = self.face.map_or(0, |(face, _)| self.elements[face].count);
+            let what = "faces have fewer than 3 corners and were left out";
+            scene.warnings.push(Warning::counted(WarningKind::Invalid, self.slivers, faces, what));
         }
         if self.elements.iter().any(|element| element.name == "tristrips" && element.count > 0) {
-            scene
-                .warnings
-                .push("triangle strips (element tristrips) were left out; convert them to faces".into());
+            let what = "triangle strips (element tristrips) were left out; convert them to faces";
+            scene.warnings.push(Warning::new(WarningKind::Ignored, what));
         }
         Ok(scene)
     }

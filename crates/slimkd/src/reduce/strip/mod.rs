@@ -11,13 +11,15 @@
 mod pass;
 
 use super::measures::Picker;
-use super::options::Hoisting;
-use super::work::{Part, Work};
-use crate::build::memory::filled;
-use crate::build::{BuildError, Builder, Plan, PlanNode};
 use crate::geometry::Aabb;
+use crate::job::Job;
+use crate::job::memory::filled;
+use crate::options::BuildError;
+use crate::options::Hoisting;
+use crate::plan::{Part, Work};
+use crate::plan::{Plan, PlanNode};
+use crate::threads;
 use pass::Pass;
-use rayon::prelude::*;
 use std::sync::Mutex;
 
 /// Subtrees of at most so many nodes are visited by one thread each: a thousand triangles or so.
@@ -28,21 +30,21 @@ pub(crate) fn hoist(
     mut plan: Plan,
     voxel: Aabb,
     hoisting: &Hoisting,
-    builder: &Builder<'_>,
+    job: &Job<'_>,
     share: f64,
 ) -> Result<Plan, BuildError> {
-    let triangles = builder.mesh().len();
+    let triangles = job.mesh.len();
     let each = share / plan.nodes.len().max(1) as f64;
     let counts = std::mem::take(&mut plan.counts);
-    let most = most_leaves_of_one(&plan, triangles, builder)?;
-    let mut top = Pass::new(Work::new(plan, &voxel, builder)?, counts, most, builder)?;
+    let most = most_leaves_of_one(&plan, triangles, job)?;
+    let mut top = Pass::new(Work::new(plan, &voxel, job)?, counts, most, job)?;
     let mut picker = Picker::new(hoisting, triangles)?;
     // One thread has nothing to gain from parts, which cost it 1 to 4 % of a build.
-    if top.work.plan.nodes.len() <= PART || rayon::current_num_threads() == 1 {
-        top.run(hoisting, &mut picker, builder, 0, each)?;
-        return top.work.into_plan(builder);
+    if top.work.plan.nodes.len() <= PART || threads::count() == 1 {
+        top.run(hoisting, &mut picker, job, 0, each)?;
+        return top.work.into_plan(job);
     }
-    let roots = top.run(hoisting, &mut picker, builder, PART, each)?;
+    let roots = top.run(hoisting, &mut picker, job, PART, each)?;
     let mut nodes = std::mem::take(&mut top.work.plan.nodes);
     let pickers = Mutex::new(vec![picker]);
     let visit = |(root, nodes): (usize, &mut [PlanNode])| {
@@ -51,28 +53,26 @@ pub(crate) fn hoist(
         let mut picker = match free {
             Some(picker) => picker,
             None => {
-                builder.memory.take(size_of::<u32>() * triangles)?;
+                job.memory.take(size_of::<u32>() * triangles)?;
                 Picker::new(hoisting, triangles)?
             }
         };
-        pass.run(hoisting, &mut picker, builder, 0, each)?;
+        pass.run(hoisting, &mut picker, job, 0, each)?;
         pickers.lock().expect("no worker panics").push(picker);
-        let mut plan = pass.work.into_plan(builder)?;
+        let mut plan = pass.work.into_plan(job)?;
         // In place: cutting leaves fewer nodes.
         nodes[..plan.nodes.len()].copy_from_slice(&plan.nodes);
         let count = plan.nodes.len();
         plan.nodes = Vec::new();
-        builder.memory.take(plan.bytes())?;
+        job.memory.take(plan.bytes())?;
         Ok(Part { root, count, plan })
     };
-    let slices = disjoint(&mut nodes, &roots, &top.work.ends);
-    let parts =
-        slices.into_par_iter().with_max_len(1).map(visit).collect::<Result<Vec<Part>, BuildError>>()?;
+    let parts = threads::map(disjoint(&mut nodes, &roots, &top.work.ends), visit)?;
     let beside: usize = parts.iter().map(|part| part.plan.bytes()).sum();
     let more = pickers.into_inner().expect("no worker panics").len() - 1;
     top.work.plan.nodes = nodes;
-    let plan = top.work.joined(parts, builder)?;
-    builder.memory.give(beside + more * size_of::<u32>() * triangles);
+    let plan = top.work.joined(parts, job)?;
+    job.memory.give(beside + more * size_of::<u32>() * triangles);
     Ok(plan)
 }
 
@@ -96,15 +96,15 @@ fn disjoint<'a>(
 
 /// Per node, the most leaves of the whole tree that hold one and the same triangle of this subtree: an upper bound
 /// that rules most large subtrees out.
-fn most_leaves_of_one(plan: &Plan, triangles: usize, builder: &Builder<'_>) -> Result<Vec<u32>, BuildError> {
+fn most_leaves_of_one(plan: &Plan, triangles: usize, job: &Job<'_>) -> Result<Vec<u32>, BuildError> {
     let mut per_triangle = filled(0u32, triangles)?;
     for (at, &id) in plan.references.iter().enumerate() {
-        builder.check_at(at)?;
+        job.check_at(at)?;
         per_triangle[id as usize] += 1;
     }
     let mut most = filled(0, plan.nodes.len())?;
     for at in (0..plan.nodes.len()).rev() {
-        builder.check_at(at)?;
+        job.check_at(at)?;
         most[at] = match plan.nodes[at] {
             PlanNode::Inner { right, .. } => most[at + 1].max(most[right as usize]),
             PlanNode::Leaf { first, count } => {

@@ -1,10 +1,12 @@
 //! One top-down pass over a tree, or over a part of it.
 
 use super::super::measures::Picker;
-use super::super::options::{CountedLeaves, Hoisting, WhenLeafRemains};
-use super::super::work::Work;
-use crate::build::memory::{copied, filled, push, with_room};
-use crate::build::{BuildError, Builder, Plan, PlanNode};
+use crate::job::Job;
+use crate::job::memory::{copied, filled, push, with_room};
+use crate::options::BuildError;
+use crate::options::Hoisting;
+use crate::plan::Work;
+use crate::plan::{Plan, PlanNode};
 
 /// Nodes between two looks at whether the build was cancelled, in loops that do not move its progress.
 const STRIDE: usize = 1 << 14;
@@ -29,12 +31,12 @@ impl Pass {
         work: Work,
         counts: Vec<u32>,
         most: Vec<u32>,
-        builder: &Builder<'_>,
+        job: &Job<'_>,
     ) -> Result<Self, BuildError> {
         let leaves = filled(0, most.len())?;
-        let leaf_at_most = builder.options().leaf_at_most;
+        let leaf_at_most = job.options.leaf_at_most;
         let mut pass = Self { work, counts, leaves, most, marks: Vec::new(), leaf_at_most };
-        pass.count_leaves(0, builder)?;
+        pass.count_leaves(0, job)?;
         Ok(pass)
     }
 
@@ -73,7 +75,7 @@ impl Pass {
         &mut self,
         hoisting: &Hoisting,
         picker: &mut Picker<'_>,
-        builder: &Builder<'_>,
+        job: &Job<'_>,
         leave: usize,
         each: f64,
     ) -> Result<Vec<usize>, BuildError> {
@@ -83,8 +85,8 @@ impl Pass {
                 break;
             }
             if steps % 64 == 63 {
-                builder.check()?;
-                builder.progress().advance(each * f64::from(visited));
+                job.check()?;
+                job.progress.advance(each * f64::from(visited));
                 visited = 0;
             }
             let end = self.work.ends[at] as usize;
@@ -98,13 +100,13 @@ impl Pass {
                     at = end;
                 }
                 PlanNode::Inner { .. } => {
-                    self.visit(at, hoisting, picker, builder)?;
+                    self.visit(at, hoisting, picker, job)?;
                     visited += 1;
                     at += 1;
                 }
             }
         }
-        builder.progress().advance(each * f64::from(visited));
+        job.progress.advance(each * f64::from(visited));
         Ok(left)
     }
 
@@ -113,37 +115,24 @@ impl Pass {
         at: usize,
         hoisting: &Hoisting,
         picker: &mut Picker<'_>,
-        builder: &Builder<'_>,
+        job: &Job<'_>,
     ) -> Result<(), BuildError> {
-        if f64::from(self.most[at]) <= f64::from(hoisting.frequency) * self.least_denominator(at, hoisting) {
+        if f64::from(self.most[at]) <= f64::from(hoisting.frequency) * f64::from(self.leaves[at]) {
             return Ok(());
         }
-        let Some(picked) = picker.pick(&self.work, at, builder)? else { return Ok(()) };
+        let Some(picked) = picker.pick(&self.work, at, job)? else { return Ok(()) };
         if self.counts[at] - 1 <= self.leaf_at_most {
-            match hoisting.when_leaf_remains {
-                WhenLeafRemains::MakeLeaf => {
-                    let ids = self.work.distinct(at);
-                    self.work.make_leaf(at, &ids)?;
-                }
-                WhenLeafRemains::DropPick => {}
-            }
-            return Ok(());
+            // Where only a leaf would remain, the node becomes a leaf of all its triangles, the picked one included.
+            let ids = self.work.distinct(at);
+            return self.work.make_leaf(at, &ids);
         }
         push(&mut self.work.plan.hoisted, (at as u32, picked))?;
-        self.strip(at, picked, builder)
-    }
-
-    /// The fewest leaves that the frequency measure may divide by.
-    fn least_denominator(&self, at: usize, hoisting: &Hoisting) -> f64 {
-        match hoisting.leaves {
-            CountedLeaves::All => f64::from(self.leaves[at]),
-            CountedLeaves::NotEmpty => 0.0,
-        }
+        self.strip(at, picked, job)
     }
 
     /// Takes `picked` out of the subtree at `at` and ends what the leaf rule ends now.
-    fn strip(&mut self, at: usize, picked: u32, builder: &Builder<'_>) -> Result<(), BuildError> {
-        self.mark(at, picked, builder)?;
+    fn strip(&mut self, at: usize, picked: u32, job: &Job<'_>) -> Result<(), BuildError> {
+        self.mark(at, picked, job)?;
         let mut cut = false;
         for i in 0..self.marks.len() {
             let node = self.marks[i];
@@ -165,13 +154,13 @@ impl Pass {
             }
         }
         if cut {
-            self.count_leaves(at, builder)?;
+            self.count_leaves(at, job)?;
         }
         Ok(())
     }
 
     /// Removes `picked` from the leaves under `at`; `marks` becomes the nodes that held it, ascending.
-    fn mark(&mut self, at: usize, picked: u32, builder: &Builder<'_>) -> Result<(), BuildError> {
+    fn mark(&mut self, at: usize, picked: u32, job: &Job<'_>) -> Result<(), BuildError> {
         self.marks.clear();
         let end = self.work.ends[at] as usize;
         // The path from `at` down to the node at hand, and how much of it is marked already.
@@ -180,7 +169,7 @@ impl Pass {
         let mut node = at;
         while node < end {
             if node.is_multiple_of(STRIDE) {
-                builder.check()?;
+                job.check()?;
             }
             while path.last().is_some_and(|&parent| self.work.ends[parent] as usize <= node) {
                 path.pop();
@@ -205,11 +194,11 @@ impl Pass {
     }
 
     /// Recounts the leaves of the subtree at `at`.
-    fn count_leaves(&mut self, at: usize, builder: &Builder<'_>) -> Result<(), BuildError> {
+    fn count_leaves(&mut self, at: usize, job: &Job<'_>) -> Result<(), BuildError> {
         // From the back, so that children come first; what lies under a cut is counted in vain.
         for node in (at..self.work.ends[at] as usize).rev() {
             if node.is_multiple_of(STRIDE) {
-                builder.check()?;
+                job.check()?;
             }
             self.leaves[node] = match self.work.plan.nodes[node] {
                 PlanNode::Inner { right, .. } => self.leaves[node + 1] + self.leaves[right as usize],

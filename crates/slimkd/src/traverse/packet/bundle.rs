@@ -11,7 +11,7 @@
 //!    underflowed, the interval is made to decide nothing.
 
 use super::group::{Class, Group, WIDTH};
-use crate::traverse::arch::Simd;
+use crate::simd::Simd;
 use crate::traverse::prepared::{larger, smaller};
 
 /// Ends of what the rays have, by axis.
@@ -49,7 +49,7 @@ impl Bundle {
                 slack = s.larger(s.select(mask, group.slack[k][g], all), slack);
             }
             let ends = [s.least(least_start), s.most(most_start)];
-            bundle.start[k] = if class.near[k] == 0 { [ends[1], ends[0]] } else { ends };
+            bundle.start[k] = if class.descends[k] == 0 { [ends[1], ends[0]] } else { ends };
             bundle.inverse[k] = [s.least(least_inverse), s.most(most_inverse)];
             bundle.slack[k] = if s.all(tame) { s.most(slack) } else { f32::INFINITY };
         }

@@ -4,8 +4,9 @@
 //! and the proofs there hold a lane at a time.
 
 use crate::geometry::{Aabb, Ray};
-use crate::traverse::Planes;
-use crate::traverse::arch::{Simd, prefetch};
+use crate::layout::Planes;
+use crate::simd::{Simd, prefetch};
+use crate::traverse::conditions::NO_TRIANGLE;
 use crate::traverse::prepared::{LEAST, LEAST_SCALED, PARALLEL, QUARTER_SLACK};
 
 /// Lanes of one vector.
@@ -38,6 +39,8 @@ pub(super) struct Group<S: Simd, const G: usize> {
     pub(super) triangle: Lanes<S::U, G>,
     pub(super) u: Lanes<S::F, G>,
     pub(super) v: Lanes<S::F, G>,
+    /// The triangle that each ray leaves out; `u32::MAX`, which no triangle is, for none.
+    pub(super) except: Lanes<S::U, G>,
 }
 
 /// Which lanes agree in what a walk needs to be the same for all; bit `i` is ray `i`.
@@ -54,8 +57,8 @@ pub(super) struct Classes {
 /// What the rays of one walk have in common.
 #[derive(Clone, Copy)]
 pub(super) struct Class {
-    /// 1 where the rays descend: which child is near.
-    pub(super) near: [u32; 3],
+    /// Per axis, 1 where the rays descend, so that the right child is the near one.
+    pub(super) descends: [u32; 3],
     /// `Shear::axes`.
     pub(super) axes: [usize; 3],
 }
@@ -63,8 +66,8 @@ pub(super) struct Class {
 impl Class {
     /// Whether the longest component is negative.
     #[inline(always)]
-    pub(super) fn descends(&self) -> bool {
-        self.near[self.axes[2]] != 0
+    pub(super) fn goes_down(&self) -> bool {
+        self.descends[self.axes[2]] != 0
     }
 }
 
@@ -78,7 +81,7 @@ impl Classes {
             lanes &= if yes { mask } else { !mask };
             yes
         };
-        let near = [
+        let descends = [
             u32::from(keep(self.negative[0])),
             u32::from(keep(self.negative[1])),
             u32::from(keep(self.negative[2])),
@@ -88,7 +91,7 @@ impl Classes {
             (_, true) => 1,
             _ => 2,
         };
-        (Class { near, axes: [(z + 1) % 3, (z + 2) % 3, z] }, lanes)
+        (Class { descends, axes: [(z + 1) % 3, (z + 2) % 3, z] }, lanes)
     }
 }
 
@@ -115,6 +118,7 @@ impl<S: Simd, const G: usize> Group<S, G> {
             triangle: [s.u32s(u32::MAX); G],
             u: zeros,
             v: zeros,
+            except: [s.u32s(NO_TRIANGLE); G],
         }
     }
 
@@ -128,6 +132,17 @@ impl<S: Simd, const G: usize> Group<S, G> {
         let mut filled = [[NO_RAY; WIDTH]; G];
         filled.as_flattened_mut()[..rays.len()].copy_from_slice(rays);
         self.prepare_all(s, filled.as_flattened(), bounds, planes)
+    }
+
+    /// Sets the triangle that each ray leaves out.
+    #[inline(always)]
+    pub(super) fn leave_out(&mut self, s: S, except: Option<&[u32]>) {
+        let Some(except) = except else { return };
+        let mut lanes = [[NO_TRIANGLE; WIDTH]; G];
+        lanes.as_flattened_mut()[..except.len()].copy_from_slice(except);
+        for g in 0..G {
+            self.except[g] = s.load_u32(&lanes[g]);
+        }
     }
 
     /// Takes 16·G rays.
@@ -152,7 +167,7 @@ impl<S: Simd, const G: usize> Group<S, G> {
         planes: &Planes,
         classes: &mut Classes,
     ) {
-        let [ox, oy, oz, dx, dy, dz, t_min, t_max] = s.columns(records);
+        let [ox, oy, oz, t_min, dx, dy, dz, t_max] = s.columns(records);
         // The next group's, two rays a line: they arrive while this one is traced.
         let next = records.as_ptr().wrapping_add(G * WIDTH);
         (0..WIDTH).step_by(2).for_each(|ray| prefetch(next.wrapping_add(ray)));
@@ -263,6 +278,7 @@ impl<S: Simd, const G: usize> Group<S, G> {
             triangle: [self.triangle[g]],
             u: [self.u[g]],
             v: [self.v[g]],
+            except: [self.except[g]],
         }
     }
 

@@ -12,10 +12,10 @@ mod strays;
 mod triangle;
 mod walk;
 
-use super::arch::{Kernel, Simd};
-use super::{Hit, Planes};
-use crate::geometry::{Aabb, Ray};
-use crate::tree::Nodes;
+use super::Traced;
+use crate::geometry::{Hit, Ray};
+use crate::layout::{Nodes, Planes};
+use crate::simd::{Kernel, Simd};
 use group::{Group, WIDTH};
 pub(crate) use strays::{Strays, finish};
 use walk::{Eye, Stack, walk};
@@ -42,18 +42,12 @@ const HIT_PLACES: [u32; WIDTH] = {
     places
 };
 
-/// The tree as every kernel needs it.
-#[derive(Clone, Copy)]
-pub(crate) struct Traced<'a, N> {
-    pub(crate) nodes: N,
-    pub(crate) depth: u32,
-    pub(crate) bounds: &'a Aabb,
-}
-
 /// Closest hits of coherent rays.
 pub(crate) struct ClosestHits<'a, N> {
     pub(crate) tree: Traced<'a, N>,
     pub(crate) rays: &'a [Ray],
+    /// The triangle that each ray leaves out, if any do.
+    pub(crate) except: Option<&'a [u32]>,
     pub(crate) hits: &'a mut [Option<Hit>],
 }
 
@@ -67,8 +61,18 @@ impl<N: Nodes> Kernel for ClosestHits<'_, N> {
         let mut group = Group::new(s);
         let mut found = [NOTHING; RAYS];
         let mut strays = Strays::new();
-        for (at, (rays, hits)) in self.rays.chunks(RAYS).zip(self.hits.chunks_mut(RAYS)).enumerate() {
-            let alone = trace::<S, N, false>(s, self.tree, &planes, rays, &mut group, &mut stacks);
+        let mut first = 0;
+        for (rays, hits) in self.rays.chunks(RAYS).zip(self.hits.chunks_mut(RAYS)) {
+            let alone = trace::<S, N, false>(
+                s,
+                self.tree,
+                &planes,
+                rays,
+                self.except,
+                first,
+                &mut group,
+                &mut stacks,
+            );
             for g in 0..VECTORS {
                 let rows = [s.cast_u32(group.limit[g]), s.cast_u32(group.u[g]), s.cast_u32(group.v[g])];
                 let rows = [rows[0], rows[1], rows[2], group.triangle[g]];
@@ -78,7 +82,8 @@ impl<N: Nodes> Kernel for ClosestHits<'_, N> {
             for (hit, found) in hits.iter_mut().zip(&found) {
                 *hit = (found.triangle != u32::MAX).then_some(*found);
             }
-            each(alone, |i| strays.push(at * RAYS + i));
+            each(alone, |i| strays.push(first + i));
+            first += RAYS;
         }
         strays
     }
@@ -88,6 +93,8 @@ impl<N: Nodes> Kernel for ClosestHits<'_, N> {
 pub(crate) struct AnyHits<'a, N> {
     pub(crate) tree: Traced<'a, N>,
     pub(crate) rays: &'a [Ray],
+    /// The triangle that each ray leaves out, if any do.
+    pub(crate) except: Option<&'a [u32]>,
     pub(crate) hits: &'a mut [bool],
 }
 
@@ -100,17 +107,21 @@ impl<N: Nodes> Kernel for AnyHits<'_, N> {
         let mut stacks = Stacks::new(self.tree.depth);
         let mut group = Group::new(s);
         let mut strays = Strays::new();
-        for (at, (rays, hits)) in self.rays.chunks(RAYS).zip(self.hits.chunks_mut(RAYS)).enumerate() {
-            let alone = trace::<S, N, true>(s, self.tree, &planes, rays, &mut group, &mut stacks);
+        let mut first = 0;
+        for (rays, hits) in self.rays.chunks(RAYS).zip(self.hits.chunks_mut(RAYS)) {
+            let alone =
+                trace::<S, N, true>(s, self.tree, &planes, rays, self.except, first, &mut group, &mut stacks);
             let mut found = 0;
             for g in 0..VECTORS {
                 let missed = s.eq_u32(group.triangle[g], s.u32s(u32::MAX));
                 found |= u64::from(s.bits(!missed)) << (g * WIDTH);
             }
-            for (i, hit) in hits.iter_mut().enumerate() {
-                *hit = found >> i & 1 == 1;
+            for hit in hits {
+                *hit = found & 1 == 1;
+                found >>= 1;
             }
-            each(alone, |i| strays.push(at * RAYS + i));
+            each(alone, |i| strays.push(first + i));
+            first += RAYS;
         }
         strays
     }
@@ -130,17 +141,21 @@ impl<S: Simd> Stacks<S> {
     }
 }
 
-/// Traces at most [`RAYS`]; `group` then holds what they found. Returns the rays that are left to streams.
+/// Traces at most [`RAYS`], the first of which stands at `first` in the batch; `group` then holds what they found. Returns the rays that are left to streams.
 #[inline(always)]
+#[allow(clippy::too_many_arguments)]
 fn trace<S: Simd, N: Nodes, const ANY: bool>(
     s: S,
     tree: Traced<'_, N>,
     planes: &Planes,
     rays: &[Ray],
+    except: Option<&[u32]>,
+    first: usize,
     group: &mut Group<S, VECTORS>,
     stacks: &mut Stacks<S>,
 ) -> u64 {
     let classes = group.fill(s, rays, tree.bounds, planes);
+    group.leave_out(s, except.map(|except| &except[first..first + rays.len()]));
     let mut alone = 0;
     let mut left = if tree.bounds.is_empty() { 0 } else { classes.traced };
     while left != 0 {

@@ -12,13 +12,15 @@ const PIECE: usize = 4096;
 pub(crate) fn finish<H: Copy + Default>(
     rays: &[Ray],
     hits: &mut [H],
+    except: Option<&[u32]>,
     strays: &[usize],
-    trace: impl Fn(&[Ray], &mut [H]),
+    trace: impl Fn(&[Ray], Option<&[u32]>, &mut [H]),
 ) {
     for strays in strays.chunks(PIECE) {
         let gathered: Vec<Ray> = strays.iter().map(|&at| rays[at]).collect();
         let mut found = vec![H::default(); gathered.len()];
-        trace(&gathered, &mut found);
+        let left_out: Option<Vec<u32>> = except.map(|except| strays.iter().map(|&at| except[at]).collect());
+        trace(&gathered, left_out.as_deref(), &mut found);
         strays.iter().zip(found).for_each(|(&at, hit)| hits[at] = hit);
     }
 }

@@ -1,7 +1,7 @@
 //! One triangle against 16 rays: the test of `geometry/intersect.rs`, a lane each, operation by operation.
 
 use super::group::{Class, Group};
-use crate::traverse::arch::Simd;
+use crate::simd::Simd;
 use crate::traverse::counters::count;
 
 /// How much farther than the limit, relative to it; derived at [`behind`].
@@ -50,7 +50,7 @@ pub(super) fn test<S: Simd, const G: usize, const COMMON: bool, const ANY: bool>
     if !s.any(candidates) {
         return candidates;
     }
-    candidates = candidates & !behind(s, group, g, class.descends(), z);
+    candidates = candidates & !behind(s, group, g, class.goes_down(), z);
     if !s.any(candidates) {
         return candidates;
     }
@@ -79,8 +79,8 @@ pub(super) fn test<S: Simd, const G: usize, const COMMON: bool, const ANY: bool>
     let per_depth = s.f64s(1.0) / (det * depth);
     let t = s.narrow((u * az + v * bz + w * cz) * per_depth);
     let limit = group.limit[g];
-    hit = hit & !s.eq_f64(det, none) & s.le(group.t_min[g], t);
     let id = s.u32s(id);
+    hit = hit & !s.eq_f64(det, none) & s.le(group.t_min[g], t) & !s.eq_u32(id, group.except[g]);
     if ANY {
         let hit = hit & s.le(t, limit);
         group.limit[g] = s.select(hit, s.f32s(f32::NEG_INFINITY), limit);

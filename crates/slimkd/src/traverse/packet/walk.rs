@@ -14,11 +14,10 @@
 use super::bundle::Bundle;
 use super::group::{Class, Group, Lanes, WIDTH};
 use super::triangle::test;
-use crate::traverse::Planes;
-use crate::traverse::arch::Simd;
+use crate::layout::{Address, Ids, Nodes, Planes, Step};
+use crate::simd::Simd;
 use crate::traverse::counters::count;
 use crate::traverse::prepared::{larger, smaller};
-use crate::tree::{Ids, Nodes, Step};
 
 /// A far child to come back to.
 pub(super) struct Far<S: Simd, const G: usize> {
@@ -26,7 +25,7 @@ pub(super) struct Far<S: Simd, const G: usize> {
     exit: Lanes<S::F, G>,
     /// Around all of those.
     span: Span,
-    node: u32,
+    node: Address,
 }
 
 /// Where all rays of a walk are, scaled units; some intervals may have become shorter.
@@ -84,9 +83,10 @@ pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const 
     stack.clear();
     let mut buffer = Ids::new();
     count(|c| (c.rays, c.walks) = (c.rays + u64::from(lanes.count_ones()), c.walks + 1));
-    let mut address = 0;
+    let mut address = Address::ROOT;
     loop {
-        let mut step = nodes.node(address);
+        // SAFETY: the address is the root's or that of a child of a node of this tree.
+        let mut step = unsafe { nodes.node(address) };
         count(|c| {
             c.nodes += 1;
             c.node_lanes += (G * WIDTH) as u64;
@@ -96,7 +96,8 @@ pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const 
         });
         let reference;
         let mut ids = match &mut step {
-            Step::Leaf(leaf) => nodes.take(leaf, &mut buffer),
+            // SAFETY: the leaf comes from this tree.
+            Step::Leaf(leaf) => unsafe { nodes.take(leaf, &mut buffer) },
             Step::Inner(node) => match node.t_reference {
                 None => &[],
                 Some(id) => {
@@ -108,9 +109,11 @@ pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const 
         // One place for both kinds of node: this is most of the code.
         if !ids.is_empty() {
             while !ids.is_empty() {
-                offer::<S, N, G, COMMON, ANY>(s, nodes, group, class, eye, ids, &enter, &exit);
+                // SAFETY: a node of this tree names the triangles.
+                unsafe { offer::<S, N, G, COMMON, ANY>(s, nodes, group, class, eye, ids, &enter, &exit) };
                 ids = match &mut step {
-                    Step::Leaf(leaf) => nodes.take(leaf, &mut buffer),
+                    // SAFETY: the leaf comes from this tree.
+                    Step::Leaf(leaf) => unsafe { nodes.take(leaf, &mut buffer) },
                     Step::Inner(_) => &[],
                 };
             }
@@ -120,8 +123,7 @@ pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const 
         }
         if let Step::Inner(node) = step {
             let axis = node.axis;
-            let beyond = node.stride & class.near[axis].wrapping_neg();
-            let (near, far) = (node.left + beyond, node.left + node.stride - beyond);
+            let (near, far) = node.near_and_far(class.descends[axis].wrapping_neg());
             let (first, last) = bundle.slab(axis, node.split);
             if span.exit < first {
                 count(|c| c.whole += 1);
@@ -178,9 +180,12 @@ pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const 
 }
 
 /// Tests triangles against every vector that has active rays.
+///
+/// # Safety
+/// The ids must come from the tree behind `nodes`.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-fn offer<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const ANY: bool>(
+unsafe fn offer<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const ANY: bool>(
     s: S,
     nodes: N,
     group: &mut Group<S, G>,
@@ -195,11 +200,14 @@ fn offer<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const ANY: bool>
         active[g] = s.le(enter[g], exit[g]);
     }
     count(|c| c.triangles += ids.len() as u64);
-    let mut next = nodes.corners(ids[0]);
-    for (index, &id) in ids.iter().enumerate() {
+    // SAFETY: the caller says that the ids come from this tree.
+    let mut next = unsafe { nodes.corners(ids[0]) };
+    for index in 0..ids.len() {
+        let id = ids[index];
         let at = next;
         if let Some(&after) = ids.get(index + 1) {
-            next = nodes.corners(after);
+            // SAFETY: as before.
+            next = unsafe { nodes.corners(after) };
         }
         let mut corners = at;
         for i in 0..3 {

@@ -1,6 +1,6 @@
 //! What is asked of a stream.
 
-use crate::traverse::Hit;
+use crate::geometry::Hit;
 
 /// Where the answers of a batch go.
 pub(crate) trait Answers {

@@ -4,8 +4,9 @@ use super::LEAVES_AT;
 use super::answers::Answers;
 use super::slots::{SLOTS, Slots};
 use super::triangles::test;
-use crate::traverse::arch::Simd;
-use crate::tree::{LaneNodes, PIECE, SPILL};
+use crate::layout::{Address, LaneNodes, PIECE, SPILL};
+use crate::simd::Simd;
+use crate::traverse::RayConditions;
 
 /// Room for leaves: those that wait, and a step's of all groups; compressing writes 16 more.
 const LEAF_ROOM: usize = LEAVES_AT + SLOTS + 16;
@@ -55,6 +56,7 @@ impl Queue {
         &mut self,
         s: S,
         nodes: N,
+        conditions: &RayConditions<'_>,
         slots: &mut Slots,
         all: bool,
     ) {
@@ -67,12 +69,14 @@ impl Queue {
             while self.pairs < MANY {
                 let mut leaf = match reading {
                     Some(leaf) => leaf,
-                    None if read < self.leaves => nodes.leaf(self.address[read]),
+                    // SAFETY: only leaves of this tree are pushed.
+                    None if read < self.leaves => unsafe { nodes.leaf(Address::new(self.address[read])) },
                     None => break,
                 };
                 let to = &mut self.pair_triangle[self.pairs..];
                 let Some(to) = to.first_chunk_mut() else { break };
-                let taken = nodes.write(&mut leaf, to);
+                // SAFETY: the leaf comes from this tree.
+                let taken = unsafe { nodes.write(&mut leaf, to) };
                 let slot = s.u32s(self.slot[read]);
                 let mut at = 0;
                 while at < taken {
@@ -99,7 +103,9 @@ impl Queue {
                 let triangle = s.load_u32(&self.pair_triangle[tested..]);
                 // What follows the pairs may be anything.
                 let triangle = s.select_u32(valid, triangle, s.u32s(0));
-                test::<S, N, A>(s, nodes, slots, slot, triangle, count);
+                // SAFETY: the tree fits lanes. The slots and triangles of pairs were pushed or come from leaves of this tree, and
+                // 0 is a triangle too, since a mesh that fits lanes has one.
+                unsafe { test::<S, N, A>(s, nodes, conditions, slots, slot, triangle, count) };
                 tested += count;
             }
             // Those that came first go first.

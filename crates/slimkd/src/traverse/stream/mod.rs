@@ -27,9 +27,10 @@ mod walk;
 
 pub(crate) use answers::Answers;
 
-use super::arch::{Kernel, Simd};
-use crate::geometry::{Aabb, Ray};
-use crate::tree::LaneNodes;
+use super::{RayConditions, Traced};
+use crate::geometry::Ray;
+use crate::layout::{Address, LaneNodes};
+use crate::simd::{Kernel, Simd};
 use leaves::Queue;
 use prepare::Prepared;
 use slots::{SLOTS, Slots};
@@ -41,12 +42,25 @@ const REFILL_AT: u32 = 8;
 const LEAVES_AT: usize = 16;
 
 /// A batch of rays on its way through a tree.
+///
+/// The tree's [`LaneNodes::fit_lanes`] must hold.
 pub(crate) struct Stream<'a, N, A> {
-    pub(crate) nodes: N,
-    pub(crate) depth: u32,
-    pub(crate) bounds: &'a Aabb,
-    pub(crate) rays: &'a [Ray],
-    pub(crate) answers: A,
+    pub(super) tree: Traced<'a, N>,
+    pub(super) rays: &'a [Ray],
+    pub(super) conditions: RayConditions<'a>,
+    pub(super) answers: A,
+}
+
+impl<'a, N: LaneNodes, A: Answers> Stream<'a, N, A> {
+    /// `None` where lanes cannot address the tree.
+    pub(crate) fn new(
+        tree: Traced<'a, N>,
+        rays: &'a [Ray],
+        conditions: RayConditions<'a>,
+        answers: A,
+    ) -> Option<Self> {
+        tree.nodes.fit_lanes().then_some(Self { tree, rays, conditions, answers })
+    }
 }
 
 impl<N: LaneNodes, A: Answers> Kernel for Stream<'_, N, A> {
@@ -54,9 +68,11 @@ impl<N: LaneNodes, A: Answers> Kernel for Stream<'_, N, A> {
 
     #[inline(always)]
     fn run<S: Simd>(mut self, s: S) {
-        let planes = self.nodes.planes();
-        let root = self.nodes.fetch(s, &[0; 16]);
-        let mut stack = Stack::new(self.depth);
+        let Traced { nodes, depth, bounds } = self.tree;
+        let planes = nodes.planes();
+        // SAFETY: the tree fits lanes, and its root stands at this address.
+        let root = unsafe { nodes.fetch(s, &[Address::ROOT.get(); 16]) };
+        let mut stack = Stack::new(depth);
         let mut slots = Slots::new(&stack);
         let mut queue = Queue::new();
         let mut ready = Prepared::new();
@@ -66,7 +82,7 @@ impl<N: LaneNodes, A: Answers> Kernel for Stream<'_, N, A> {
             let more = !ready.is_empty() || next < self.rays.len();
             let refill = idle.count_ones() >= REFILL_AT && (more || idle == !0);
             // An answer is known when nothing of its ray waits any more.
-            queue.work::<S, N, A>(s, self.nodes, &mut slots, refill);
+            queue.work::<S, N, A>(s, nodes, &self.conditions, &mut slots, refill);
             if refill {
                 slots.retire(&mut self.answers);
                 let mut group = 0;
@@ -76,7 +92,7 @@ impl<N: LaneNodes, A: Answers> Kernel for Stream<'_, N, A> {
                     } else if !ready.is_empty() {
                         slots.fill(s, group, &mut ready, root);
                     } else if next < self.rays.len() {
-                        ready.load(s, self.rays, next, self.bounds, &planes, &mut self.answers);
+                        ready.load(s, self.rays, next, bounds, &planes, &mut self.answers);
                         next += 16;
                     } else {
                         break;
@@ -87,7 +103,7 @@ impl<N: LaneNodes, A: Answers> Kernel for Stream<'_, N, A> {
                 }
             }
             for group in 0..SLOTS / 16 {
-                walk::step::<S, N>(s, self.nodes, group, &mut slots, &mut stack, &mut queue);
+                walk::step::<S, N>(s, nodes, group, &mut slots, &mut stack, &mut queue);
             }
         }
     }

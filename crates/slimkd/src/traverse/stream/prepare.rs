@@ -4,8 +4,9 @@
 
 use super::answers::Answers;
 use crate::geometry::{Aabb, Ray};
-use crate::traverse::arch::{Simd, prefetch};
-use crate::traverse::prepared::{LEAST, LEAST_SCALED, PARALLEL, Planes, QUARTER_SLACK};
+use crate::layout::Planes;
+use crate::simd::{Simd, prefetch};
+use crate::traverse::prepared::{LEAST, LEAST_SCALED, PARALLEL, QUARTER_SLACK};
 use std::mem::offset_of;
 
 /// A value a ray.
@@ -37,10 +38,10 @@ pub(super) struct Prepared {
     pub(super) scale: Lanes<f32>,
 }
 
-// Two rows of four f32 a ray: origin and x, then y, z and the range.
+// Two rows of four f32 a ray: origin and start of the range, then direction and end of the range.
 const _: () =
-    assert!(size_of::<Ray>() == 32 && offset_of!(Ray, origin) == 0 && offset_of!(Ray, direction) == 12);
-const _: () = assert!(offset_of!(Ray, t_min) == 24 && offset_of!(Ray, t_max) == 28);
+    assert!(size_of::<Ray>() == 32 && offset_of!(Ray, origin) == 0 && offset_of!(Ray, direction) == 16);
+const _: () = assert!(offset_of!(Ray, t_min) == 12 && offset_of!(Ray, t_max) == 28);
 
 impl Prepared {
     #[inline(always)]
@@ -97,16 +98,16 @@ impl Prepared {
         let rest = &rays[first..];
         let count = rest.len().min(16);
         let mut numbers = [0; 16];
-        for (lane, number) in numbers.iter_mut().enumerate() {
+        for lane in 0..16 {
             // Lanes behind the end repeat the last ray.
-            *number = lane.min(count - 1) as u32;
+            numbers[lane] = lane.min(count - 1) as u32;
         }
         let numbers = s.load_u32(&numbers);
         // The next 16, two rays a line: they arrive while these are traced.
         let next = rest.as_ptr().wrapping_add(16);
         (0..16).step_by(2).for_each(|ray| prefetch(next.wrapping_add(ray)));
         // SAFETY: the numbers are below the length of `rest`; a ray is two rows of 16 bytes, see above.
-        let ([ox, oy, oz, dx], [dy, dz, t_min, t_max]) = unsafe {
+        let ([ox, oy, oz, t_min], [dx, dy, dz, t_max]) = unsafe {
             let base = rest.as_ptr().cast::<u8>();
             (s.gather_rows::<32>(base, numbers), s.gather_rows::<32>(base.add(16), numbers))
         };

@@ -3,8 +3,8 @@
 use super::answers::Answers;
 use super::prepare::{Lanes, Prepared};
 use super::walk::Stack;
-use crate::traverse::Hit;
-use crate::traverse::arch::Simd;
+use crate::geometry::Hit;
+use crate::simd::Simd;
 use crate::traverse::counters::count;
 use crate::traverse::prepared::larger;
 
@@ -155,6 +155,12 @@ impl Slots {
         new.put_u32(s, root.1, &mut self.upper);
         new.put_u32(s, s.load_u32(&self.bottom.0[at..]), &mut self.top);
         new.put_u32(s, s.u32s(u32::MAX), &mut self.best_triangle);
+    }
+
+    /// The position in the batch of the ray in a slot.
+    #[inline(always)]
+    pub(super) fn ray(&self, slot: usize) -> usize {
+        self.ray.0[slot & (SLOTS - 1)] as usize
     }
 
     /// A hit within the ray's interval and not behind its best one.

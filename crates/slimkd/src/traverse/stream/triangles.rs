@@ -2,16 +2,21 @@
 
 use super::answers::Answers;
 use super::slots::Slots;
-use crate::traverse::Hit;
-use crate::traverse::arch::Simd;
-use crate::traverse::counters;
-use crate::tree::LaneNodes;
+use crate::geometry::Hit;
+use crate::layout::LaneNodes;
+use crate::simd::Simd;
+use crate::traverse::{RayConditions, counters};
 
-/// Tests the first `count` pairs; all must name slots, and triangles of the mesh.
+/// Tests the first `count` pairs.
+///
+/// # Safety
+/// The tree must fit lanes; all pairs, behind the first `count` too, must name triangles of its mesh.
+#[allow(clippy::too_many_arguments)]
 #[inline(always)]
-pub(super) fn test<S: Simd, N: LaneNodes, A: Answers>(
+pub(super) unsafe fn test<S: Simd, N: LaneNodes, A: Answers>(
     s: S,
     nodes: N,
+    conditions: &RayConditions<'_>,
     slots: &mut Slots,
     slot: S::U,
     triangle: S::U,
@@ -27,7 +32,8 @@ pub(super) fn test<S: Simd, N: LaneNodes, A: Answers>(
         slope_x: s.pick(&slots.slope[0].0, slot),
         slope_y: s.pick(&slots.slope[1].0, slot),
     };
-    let [a, b, c] = nodes.lane_corners(s, triangle);
+    // SAFETY: the caller says so.
+    let [a, b, c] = unsafe { nodes.lane_corners(s, triangle) };
     let (a, b, c) = (frame.shear(s, a), frame.shear(s, b), frame.shear(s, c));
     let zero = s.f32s(0.0);
     let u = c[0] * b[1] - c[1] * b[0];
@@ -71,7 +77,7 @@ pub(super) fn test<S: Simd, N: LaneNodes, A: Answers>(
     let (mut ts, mut us, mut vs) = ([0.0; 16], [0.0; 16], [0.0; 16]);
     let (mut slot_of, mut triangles) = ([0; 16], [0; 16]);
     s.store(t, &mut ts);
-    if !A::ANY {
+    if !A::ANY || conditions.filter.is_some() {
         let per_det = depth * per_depth;
         s.store(s.narrow(v * per_det), &mut us);
         s.store(s.narrow(w * per_det), &mut vs);
@@ -82,7 +88,10 @@ pub(super) fn test<S: Simd, N: LaneNodes, A: Answers>(
         let lane = hits.trailing_zeros() as usize & 15;
         hits &= hits - 1;
         let hit = Hit { t: ts[lane], u: us[lane], v: vs[lane], triangle: triangles[lane] };
-        slots.offer::<A>(slot_of[lane] as usize, hit);
+        let slot = slot_of[lane] as usize;
+        if conditions.accept(slots.ray(slot), &hit) {
+            slots.offer::<A>(slot, hit);
+        }
     }
 }
 

@@ -2,9 +2,9 @@
 
 use super::leaves::Queue;
 use super::slots::{Each, SLOTS, Slots};
-use crate::traverse::arch::Simd;
+use crate::layout::{LaneNodes, LaneStep};
+use crate::simd::Simd;
 use crate::traverse::counters::count;
-use crate::tree::{LaneNodes, LaneStep};
 
 /// Deepest tree whose stack stands in the frame.
 const SMALL_DEPTH: usize = 64;
@@ -86,7 +86,8 @@ pub(super) fn step<S: Simd, N: LaneNodes>(
     let numbers = s.load_u32(&SLOT_NUMBERS[at..]);
     queue.push_leaves(s, here & node.leaf & node.filled, numbers, address);
     if N::T_REFERENCES {
-        let (has, triangle) = nodes.t_references(s, inner, words);
+        // SAFETY: the tree fits lanes, and `words` was read at these nodes.
+        let (has, triangle) = unsafe { nodes.t_references(s, inner, words) };
         if s.any(has) {
             queue.push_pairs(s, has, numbers, triangle);
         }
@@ -114,7 +115,7 @@ pub(super) fn step<S: Simd, N: LaneNodes>(
     };
     let (popped_enter, popped_exit) = (s.cast_f32(popped_enter), s.cast_f32(popped_exit));
 
-    // Who does not descend takes what its stack has.
+    // Lanes that do not descend pop their stack.
     let pop = live & !inner;
     let emptied = pop & !s.le(popped_enter, s.load(&slots.cut.0[at..]));
     slots.live[group] &= !s.bits(emptied);
@@ -128,7 +129,8 @@ pub(super) fn step<S: Simd, N: LaneNodes>(
     s.store(s.select(inner, enter, popped_enter), &mut slots.enter.0[at..]);
     s.store(s.select(inner, narrowed, popped_exit), &mut slots.exit.0[at..]);
     // Read here for the next step: the other group's step hides the memory's latency.
-    let (lower, upper) = nodes.fetch(s, &slots.address.0[at..]);
+    // SAFETY: the tree fits lanes. Every slot's address is the root's, a child's or one popped, and idle slots keep their last one.
+    let (lower, upper) = unsafe { nodes.fetch(s, &slots.address.0[at..]) };
     s.store_u32(lower, &mut slots.lower.0[at..]);
     s.store_u32(upper, &mut slots.upper.0[at..]);
 }

@@ -1,0 +1,314 @@
+//! A `.skd` file as it lies in memory, mapped or read: ready at once, proved by nobody, safe all the same.
+
+use super::bytes::Section;
+use super::sections::{DENSE, INDICES_2BYTE, INDICES_4BYTE, NODES};
+use super::shape::{self, Shape};
+use super::table::{Entry, Kind, Table};
+use super::{FileError, damaged, options};
+use crate::geometry::{Aabb, Hit, Ray};
+use crate::job::Progress;
+use crate::layout::checked::{CheckedMesh, Guard};
+use crate::layout::dense::CheckedDense;
+use crate::layout::plain::CheckedPlain;
+use crate::layout::{Nodes, Planes};
+use crate::options::BuildOptions;
+use crate::query::{BatchJob, Tracer, Walk, tracer};
+use crate::traverse::{Conditions, NearestPoint, PreparedRay, Search, Sink, Traced, search_tree, traverse};
+use crate::tree::KdTree;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+/// Deepest tree that is traced unproved: the stack is made for what the file says. Real ones end below 100.
+const DEEPEST: u32 = 1 << 16;
+
+/// A saved tree over bytes that someone else owns: a `Vec`, a slice, or a memory map (`memmap2::Mmap`). Nothing is copied.
+///
+/// Opening checks the header, the section table and the small sections, whatever the file's size. All else may still be
+/// damaged or forged, so every access is checked. Where the bytes are no tree, a query answers wrongly, mostly with a miss, and
+/// [`OpenTree::check`] then says so; it never panics, reads elsewhere or goes on for ever. [`OpenTree::verify`] proves the whole and
+/// makes the [`KdTree`] that traces faster, in batches too.
+///
+/// ```
+/// use slimkd::{BuildOptions, KdTree, OpenTree, Ray, Tracer, TriangleMesh};
+/// let mesh = TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+/// let tree = KdTree::build(mesh, &BuildOptions::default())?;
+/// let mut bytes = Vec::new();
+/// tree.write(&mut bytes)?;
+/// let open = OpenTree::open(bytes)?;
+/// let ray = Ray::new([0.2, 0.2, 1.0], [0.0, 0.0, -1.0]);
+/// assert_eq!(open.closest(&ray), tree.closest(&ray));
+/// open.check()?;
+/// assert_eq!(open.verify()?.closest(&ray), tree.closest(&ray));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// A memory map shares its file with everybody: where another process cuts the file short while it is mapped, reading what is gone
+/// ends this process by a signal (SIGBUS). Replace saved trees, as [`KdTree::save`] does, and never write into them.
+#[derive(Debug)]
+pub struct OpenTree<B> {
+    bytes: B,
+    tree: Sections,
+    /// Whether any query met what no tree holds.
+    broken: AtomicBool,
+}
+
+/// Where everything lies, and what the small sections say.
+#[derive(Clone, Debug)]
+struct Sections {
+    options: BuildOptions,
+    shape: Shape,
+    vertices: Range<usize>,
+    triangles: Range<usize>,
+    layout: Layout,
+}
+
+/// Where the encoded tree lies.
+#[derive(Clone, Debug)]
+enum Layout {
+    Plain { nodes: Range<usize>, indices_4byte: Range<usize>, indices_2byte: Range<usize> },
+    Dense { bytes: Range<usize>, planes: Planes },
+}
+
+impl<B: AsRef<[u8]>> OpenTree<B> {
+    /// Opens what [`KdTree::write`] wrote, in time that does not depend on its size.
+    ///
+    /// # Errors
+    /// [`FileError::NotATree`], [`FileError::Version`], [`FileError::UnknownSection`], [`FileError::MeshMissing`], and
+    /// [`FileError::Damaged`] for what can be seen from the table and the small sections.
+    pub fn open(bytes: B) -> Result<Self, FileError> {
+        let all = bytes.as_ref();
+        let table = Table::read(&mut &all[..])?;
+        let end = table.entries.last().map_or(table.end(), |entry| entry.offset + entry.length);
+        if end != all.len() as u64 {
+            return damaged("its length is wrong");
+        }
+        let (mut build_options, mut shape) = (None, None);
+        let [mut vertices, mut triangles, mut nodes, mut wide, mut narrow, mut dense] = [const { None }; 6];
+        for entry in &table.entries {
+            let range = entry.offset as usize..(entry.offset + entry.length) as usize;
+            match entry.kind {
+                Kind::OPTIONS => build_options = options::get(&small(all, entry, options::LIMIT)?),
+                Kind::SHAPE => shape = Some(Shape::get(&small(all, entry, shape::LENGTH)?)?),
+                Kind::VERTICES => vertices = Some(range),
+                Kind::TRIANGLES => triangles = Some(range),
+                NODES => nodes = Some(range),
+                INDICES_4BYTE => wide = Some(range),
+                INDICES_2BYTE => narrow = Some(range),
+                DENSE => dense = Some(range),
+                Kind(other) => return Err(FileError::UnknownSection(other)),
+            }
+        }
+        let (Some(options), Some(shape)) = (build_options, shape) else {
+            return damaged("a section is missing or makes no sense");
+        };
+        let (Some(vertices), Some(triangles)) = (vertices, triangles) else {
+            return Err(FileError::MeshMissing { vertices: shape.vertices, triangles: shape.triangles });
+        };
+        let counts = [(&vertices, shape.vertices), (&triangles, shape.triangles)];
+        if counts.iter().any(|(range, count)| count.checked_mul(12) != Some(range.len() as u64)) {
+            return damaged("its mesh is not as large as it says");
+        }
+        if shape.depth > DEEPEST {
+            return damaged("it is too deep to be traced before it is proved");
+        }
+        let layout = match (nodes, dense) {
+            (Some(nodes), None) => Layout::Plain {
+                nodes,
+                indices_4byte: wide.unwrap_or_default(),
+                indices_2byte: narrow.unwrap_or_default(),
+            },
+            (None, Some(bytes)) if wide.is_none() && narrow.is_none() => {
+                match CheckedDense::grid(bytes.len(), &shape.bounds, triangles.len() / 12) {
+                    Some(planes) => Layout::Dense { bytes, planes },
+                    None => return damaged("its layout does not fit the mesh"),
+                }
+            }
+            _ => return damaged("it has no tree, or two"),
+        };
+        let tree = Sections { options, shape, vertices, triangles, layout };
+        Ok(Self { bytes, tree, broken: AtomicBool::new(false) })
+    }
+
+    /// Proves everything, as [`KdTree::read`] does, and copies it into memory of its own.
+    ///
+    /// # Errors
+    /// As [`KdTree::read`].
+    pub fn verify(&self) -> Result<KdTree, FileError> {
+        KdTree::read(self.bytes.as_ref())
+    }
+
+    /// Proves what [`OpenTree::verify`] proves, and that no triangle is missing anywhere ([`KdTree::check_complete`]): then the
+    /// answers are right even if the file was forged.
+    ///
+    /// # Errors
+    /// As [`KdTree::read`], and [`FileError::Incomplete`].
+    pub fn verify_complete(&self, progress: &Progress) -> Result<KdTree, FileError> {
+        let tree = self.verify()?;
+        tree.check_complete(progress)?;
+        Ok(tree)
+    }
+
+    /// The options that the file says it was built with.
+    pub fn options(&self) -> &BuildOptions {
+        &self.tree.options
+    }
+
+    /// An error once any query met something that no tree holds. From then on answers may be wrong, mostly misses: ask this after
+    /// a batch, and build the tree again from its scene if it says so.
+    ///
+    /// # Errors
+    /// [`FileError::Damaged`].
+    pub fn check(&self) -> Result<(), FileError> {
+        if self.broken.load(Relaxed) { damaged("a query met what no tree holds") } else { Ok(()) }
+    }
+
+    /// The number of triangles of its mesh.
+    pub fn triangle_count(&self) -> usize {
+        self.tree.triangles.len() / 12
+    }
+
+    /// Vertex indices of a triangle, for attributes that are kept beside the tree; `None` where no triangle has this id.
+    pub fn triangle(&self, id: u32) -> Option<[u32; 3]> {
+        self.opened().mesh().indices(id)
+    }
+
+    fn opened(&self) -> Opened<'_> {
+        Opened { all: self.bytes.as_ref(), tree: &self.tree, broken: &self.broken }
+    }
+
+    /// The owner of the bytes.
+    pub fn into_inner(self) -> B {
+        self.bytes
+    }
+}
+
+/// An [`OpenTree`] whose bytes are looked at: not generic, so that its walks are compiled once.
+struct Opened<'a> {
+    all: &'a [u8],
+    tree: &'a Sections,
+    broken: &'a AtomicBool,
+}
+
+tracer!(Opened<'_>);
+
+/// Runs `$body` with `$nodes` bound to a view that checks every access, whichever layout the tree has.
+macro_rules! with_checked_nodes {
+    ($opened:expr, $nodes:ident => $body:expr) => {{
+        let opened = $opened;
+        let sections = opened.tree;
+        match &sections.layout {
+            Layout::Plain { nodes, indices_4byte, indices_2byte } => {
+                let (wide, narrow) = (indices_4byte.len() as u64 / 4, indices_2byte.len() as u64 / 2);
+                let guard = Guard::new(nodes.len() as u64 / 8, wide + narrow);
+                let $nodes = CheckedPlain {
+                    nodes: opened.part(nodes),
+                    indices_4byte: opened.part(indices_4byte),
+                    indices_2byte: opened.part(indices_2byte),
+                    mesh: opened.mesh(),
+                    guard: &guard,
+                };
+                $body;
+                opened.remember(&guard);
+            }
+            Layout::Dense { bytes, planes } => {
+                // A byte is at most a node, or a code of eight references.
+                let guard = Guard::new(bytes.len() as u64, 8 * bytes.len() as u64);
+                let triangles = sections.triangles.len() / 12;
+                let $nodes = CheckedDense::new(opened.part(bytes), triangles, planes, opened.mesh(), &guard);
+                $body;
+                opened.remember(&guard);
+            }
+        }
+    }};
+}
+
+impl<'a> Opened<'a> {
+    /// The bytes of a section; fewer where the owner of the bytes answers otherwise than the first time.
+    fn part(&self, range: &Range<usize>) -> &'a [u8] {
+        self.all.get(range.clone()).unwrap_or_default()
+    }
+
+    fn mesh(&self) -> CheckedMesh<'a> {
+        CheckedMesh { vertices: self.part(&self.tree.vertices), triangles: self.part(&self.tree.triangles) }
+    }
+
+    fn remember(&self, guard: &Guard) {
+        if guard.is_broken() {
+            self.broken.store(true, Relaxed);
+        }
+    }
+}
+
+impl Walk for Opened<'_> {
+    fn extent(&self) -> Aabb {
+        self.tree.shape.bounds
+    }
+
+    fn triangle(&self, id: u32) -> Option<[[f32; 3]; 3]> {
+        self.mesh().find(id)
+    }
+
+    fn walk(&self, ray: &Ray, sink: &mut impl Sink) {
+        let shape = &self.tree.shape;
+        with_checked_nodes!(self, nodes => {
+            if let Some(prepared) = PreparedRay::new(ray, &shape.bounds, &nodes.planes()) {
+                traverse(nodes, shape.depth, &prepared, sink);
+            }
+        });
+    }
+
+    fn search(&self, search: &mut Search<'_>) {
+        let Shape { depth, ref bounds, .. } = self.tree.shape;
+        with_checked_nodes!(self, nodes => search_tree(Traced { nodes, depth, bounds }, search));
+    }
+}
+
+impl<B: AsRef<[u8]> + Send + Sync> Tracer for OpenTree<B> {
+    fn as_dyn(&self) -> &(dyn Tracer + '_) {
+        self
+    }
+
+    fn bounds(&self) -> Aabb {
+        self.opened().bounds()
+    }
+
+    fn corners(&self, triangle: u32) -> Option<[[f32; 3]; 3]> {
+        self.opened().corners(triangle)
+    }
+
+    fn closest_with(&self, ray: &Ray, conditions: Conditions<'_>) -> Option<Hit> {
+        self.opened().closest_with(ray, conditions)
+    }
+
+    fn any_with(&self, ray: &Ray, conditions: Conditions<'_>) -> bool {
+        self.opened().any_with(ray, conditions)
+    }
+
+    fn first_with(&self, ray: &Ray, most: usize, conditions: Conditions<'_>, hits: &mut Vec<Hit>) {
+        self.opened().first_with(ray, most, conditions, hits);
+    }
+
+    fn nearest_with(
+        &self,
+        point: [f32; 3],
+        max_distance: f32,
+        conditions: Conditions<'_>,
+    ) -> Option<NearestPoint> {
+        self.opened().nearest_with(point, max_distance, conditions)
+    }
+
+    fn closest_batch(&self, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {
+        self.opened().closest_batch(job, hits);
+    }
+
+    fn any_batch(&self, job: BatchJob<'_>, hits: &mut [bool]) {
+        self.opened().any_batch(job, hits);
+    }
+}
+
+/// A section that is never long, once its checksum is right.
+fn small(all: &[u8], entry: &Entry, limit: usize) -> Result<Vec<u8>, FileError> {
+    let mut from = all.get(entry.offset as usize..).unwrap_or_default();
+    let mut position = entry.offset;
+    Section::start(&mut from, &mut position, entry)?.read_at_most(limit)
+}

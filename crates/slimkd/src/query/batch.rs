@@ -1,0 +1,323 @@
+//! Questions about many rays or points at once.
+
+use super::{Hits, Rays, Tracer};
+use crate::geometry::{Hit, Ray};
+use crate::simd::InstructionSet;
+use crate::threads;
+use crate::traverse::{Conditions, NearestPoint, RayConditions};
+use std::convert::Infallible;
+use std::ops::Range;
+
+/// Rays that are gathered from columns, or scattered to them, at once: 32 KB of rays.
+const GATHERED: usize = 1024;
+/// Rays that one thread takes at a time, at least and at most; a multiple of the 64 rays that are traced together.
+const PIECE: Range<usize> = 4096..65_536;
+
+/// A question about many rays or points, with options: make it by [`Tracer::batch`], set options, then call a verb.
+///
+/// Each answer is the one that the ray would get alone, to the last bit. Only the time differs: batches go through the tree by
+/// vector instructions, several rays at a time.
+///
+/// ```
+/// use slimkd::{BuildOptions, KdTree, Ray, Tracer, TriangleMesh};
+/// let mesh = TriangleMesh::new(vec![[0.0; 3], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0]], vec![[0, 1, 2]])?;
+/// let tree = KdTree::build(mesh, &BuildOptions::default())?;
+/// let pixel = |i: usize| [(i % 8) as f32, (i / 8) as f32, -9.0];
+/// let rays: Vec<Ray> = (0..64).map(|i| Ray::new([0.0, 0.0, 9.0], pixel(i))).collect();
+/// let mut hits = vec![None; rays.len()];
+/// tree.batch().coherent().threads(0).closest(&rays, &mut hits);
+/// assert!(rays.iter().zip(hits).all(|(ray, hit)| hit == tree.closest(ray)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy)]
+#[must_use = "a batch does nothing until a verb such as `closest` is called"]
+pub struct Batch<'a> {
+    tracer: &'a (dyn Tracer + 'a),
+    conditions: RayConditions<'a>,
+    coherent: bool,
+    threads: usize,
+    instruction_set: InstructionSet,
+}
+
+/// Rays for one thread, with all that concerns them.
+#[derive(Clone, Copy)]
+pub struct BatchJob<'a> {
+    pub(crate) rays: &'a [Ray],
+    pub(crate) conditions: RayConditions<'a>,
+    pub(crate) coherent: bool,
+    pub(crate) instruction_set: InstructionSet,
+}
+
+impl<'a> Batch<'a> {
+    pub(super) fn new(tracer: &'a (dyn Tracer + 'a)) -> Self {
+        let instruction_set = InstructionSet::best();
+        Self { tracer, conditions: RayConditions::default(), coherent: false, threads: 1, instruction_set }
+    }
+
+    /// Says that neighbours in the batch go much the same way, as a camera's rays do, or rays from neighbouring points to one light.
+    /// They are then traced 64 at a time, which is faster. Order the batch so that neighbours are neighbours: one tile of
+    /// 8 × 8 pixels after the other, not rows of the picture. Rays that go different ways after all cost time, never a hit.
+    pub fn coherent(mut self) -> Self {
+        self.coherent = true;
+        self
+    }
+
+    /// Leaves out one triangle for each ray, `u32::MAX` for none: for rays that start on a triangle. Nothing else becomes slower.
+    ///
+    /// ```
+    /// use slimkd::{BuildOptions, KdTree, Ray, Tracer, TriangleMesh};
+    /// let mesh = TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+    /// let tree = KdTree::build(mesh, &BuildOptions::default())?;
+    /// let rays = [Ray::new([0.2, 0.2, 0.0], [0.0, 0.0, 1.0]); 2];
+    /// let mut occluded = [false; 2];
+    /// tree.batch().except(&[0, u32::MAX]).any(&rays, &mut occluded);
+    /// assert_eq!(occluded, [false, true]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn except(mut self, triangles: &'a [u32]) -> Self {
+        self.conditions.except = Some(triangles);
+        self
+    }
+
+    /// Counts only hits that `accept` says yes to. It is given the ray's position in the batch, and it is asked as
+    /// [`Query::filter`](crate::Query::filter) says, perhaps by several threads at once.
+    pub fn filter(mut self, accept: &'a (dyn Fn(usize, &Hit) -> bool + Sync)) -> Self {
+        self.conditions.filter = Some(accept);
+        self
+    }
+
+    /// Traces on so many threads; 1 (the default) is the calling thread alone, 0 is all threads of the current rayon pool. Without
+    /// the feature `rayon`, and where no threads can be started, the calling thread does it all.
+    pub fn threads(mut self, count: usize) -> Self {
+        self.threads = count;
+        self
+    }
+
+    /// Traces by that instruction set instead of [`InstructionSet::best`]. One that this processor lacks becomes the best one below.
+    pub fn instruction_set(mut self, set: InstructionSet) -> Self {
+        self.instruction_set = set.or_below();
+        self
+    }
+
+    /// [`Tracer::closest`] of each ray.
+    ///
+    /// # Panics
+    /// When there is not one place for a hit, and where it was given one excluded triangle, for each ray.
+    pub fn closest<'r, 'h>(&self, rays: impl Into<Rays<'r>>, hits: impl Into<Hits<'h>>) {
+        let (rays, mut rest) = (rays.into(), hits.into());
+        self.check(rays.len(), rest.len());
+        let mut pieces = Vec::new();
+        for range in self.pieces(rays.len()) {
+            let (piece, behind) = rest.split_at(range.len());
+            pieces.push((range, piece));
+            rest = behind;
+        }
+        self.spread(pieces, |(range, hits)| self.closest_piece(rays, range, hits));
+    }
+
+    /// [`Tracer::any`] of each ray.
+    ///
+    /// # Panics
+    /// When there is not one place for an answer, and where it was given one excluded triangle, for each ray.
+    pub fn any<'r>(&self, rays: impl Into<Rays<'r>>, hits: &mut [bool]) {
+        let rays = rays.into();
+        self.check(rays.len(), hits.len());
+        self.spread(self.with_pieces(hits), |(range, hits)| {
+            self.for_slices(rays, range, |job, at| self.tracer.any_batch(job, &mut hits[at]));
+        });
+    }
+
+    /// [`Tracer::count`] of each ray.
+    ///
+    /// # Panics
+    /// When there is not one place for a number, and where it was given one excluded triangle, for each ray.
+    pub fn count<'r>(&self, rays: impl Into<Rays<'r>>, counts: &mut [u32]) {
+        let rays = rays.into();
+        self.check(rays.len(), counts.len());
+        self.spread(self.with_pieces(counts), |(range, counts)| {
+            let mut hits = Vec::new();
+            for (at, count) in range.zip(counts) {
+                self.first(rays, at, &mut hits);
+                *count = hits.len() as u32;
+            }
+        });
+    }
+
+    /// [`Tracer::all`] of each ray, ray after ray.
+    ///
+    /// # Panics
+    /// When it was given excluded triangles, but not one for each ray.
+    pub fn all<'r>(&self, rays: impl Into<Rays<'r>>) -> BatchHits {
+        let rays = rays.into();
+        self.check(rays.len(), rays.len());
+        let mut parts: Vec<BatchHits> = Vec::new();
+        let ranges: Vec<_> = self.pieces(rays.len()).collect();
+        parts.resize_with(ranges.len(), BatchHits::default);
+        self.spread(ranges.into_iter().zip(&mut parts).collect(), |(range, part)| {
+            let mut hits = Vec::new();
+            for at in range {
+                self.first(rays, at, &mut hits);
+                part.hits.extend_from_slice(&hits);
+                part.splits.push(part.hits.len());
+            }
+        });
+        let mut whole = BatchHits { splits: vec![0], hits: Vec::new() };
+        for part in parts {
+            let before = whole.hits.len();
+            whole.splits.extend(part.splits.into_iter().map(|split| before + split));
+            whole.hits.extend(part.hits);
+        }
+        whole
+    }
+
+    /// [`Tracer::nearest`] of each point.
+    ///
+    /// # Panics
+    /// When there is not one place for an answer, and where it was given one excluded triangle, for each point.
+    pub fn nearest(&self, points: &[[f32; 3]], max_distance: f32, found: &mut [Option<NearestPoint>]) {
+        self.check(points.len(), found.len());
+        self.spread(self.with_pieces(found), |(range, found)| {
+            for (at, found) in range.zip(found) {
+                let ask = |conditions: Conditions<'_>| {
+                    self.tracer.nearest_with(points[at], max_distance, conditions)
+                };
+                *found = self.conditions.alone(at, ask);
+            }
+        });
+    }
+
+    fn check(&self, rays: usize, answers: usize) {
+        assert_eq!(rays, answers, "one place for an answer for each ray");
+        assert!(
+            self.conditions.except.is_none_or(|except| except.len() == rays),
+            "one exception for each ray"
+        );
+    }
+
+    /// All hits of the ray at a place of the batch.
+    fn first(&self, rays: Rays<'_>, at: usize, hits: &mut Vec<Hit>) {
+        let ray = match rays {
+            Rays::Slice(rays) => rays[at],
+            Rays::Columns(columns) => columns.ray(at),
+        };
+        hits.clear();
+        self.conditions.alone(at, |conditions| self.tracer.first_with(&ray, usize::MAX, conditions, hits));
+    }
+
+    fn closest_piece(&self, rays: Rays<'_>, range: Range<usize>, hits: Hits<'_>) {
+        match hits {
+            Hits::Slice(hits) => {
+                self.for_slices(rays, range, |job, at| self.tracer.closest_batch(job, &mut hits[at]));
+            }
+            Hits::Columns(mut columns) => {
+                let mut buffer = [None; GATHERED];
+                for first in range.clone().step_by(GATHERED) {
+                    let part = first..range.end.min(first + GATHERED);
+                    let hits = &mut buffer[..part.len()];
+                    self.for_slices(rays, part, |job, at| self.tracer.closest_batch(job, &mut hits[at]));
+                    let at = first - range.start;
+                    hits.iter().enumerate().for_each(|(k, hit)| columns.put(at + k, *hit));
+                }
+            }
+        }
+    }
+
+    /// Calls `trace` with the rays of a range as slices, and with their places in that range.
+    fn for_slices(
+        &self,
+        rays: Rays<'_>,
+        range: Range<usize>,
+        mut trace: impl FnMut(BatchJob<'_>, Range<usize>),
+    ) {
+        match rays {
+            Rays::Slice(rays) => {
+                let length = range.len();
+                trace(self.job(&rays[range.clone()], range), 0..length);
+            }
+            Rays::Columns(columns) => {
+                let mut buffer = Vec::with_capacity(GATHERED);
+                for first in range.clone().step_by(GATHERED) {
+                    let part = first..range.end.min(first + GATHERED);
+                    buffer.clear();
+                    buffer.extend(part.clone().map(|at| columns.ray(at)));
+                    let places = part.start - range.start..part.end - range.start;
+                    trace(self.job(&buffer, part), places);
+                }
+            }
+        }
+    }
+
+    fn job<'r>(&'r self, rays: &'r [Ray], range: Range<usize>) -> BatchJob<'r> {
+        let conditions = self.conditions.of(range);
+        BatchJob { rays, conditions, coherent: self.coherent, instruction_set: self.instruction_set }
+    }
+
+    /// The parts of a batch that threads take one after the other.
+    fn pieces(&self, rays: usize) -> impl Iterator<Item = Range<usize>> + use<> {
+        let threads = if self.threads == 0 { threads::count() } else { self.threads };
+        let piece = match threads {
+            1 => rays.max(1),
+            _ => (rays / (8 * threads)).clamp(PIECE.start, PIECE.end).next_multiple_of(64),
+        };
+        (0..rays).step_by(piece).map(move |first| first..rays.min(first + piece))
+    }
+
+    /// The parts of a batch, each with its part of the answers.
+    fn with_pieces<'h, A>(&self, mut answers: &'h mut [A]) -> Vec<(Range<usize>, &'h mut [A])> {
+        let mut pieces = Vec::new();
+        for range in self.pieces(answers.len()) {
+            let (piece, behind) = answers.split_at_mut(range.len());
+            pieces.push((range, piece));
+            answers = behind;
+        }
+        pieces
+    }
+
+    /// Does the work of all pieces, on the threads that were asked for.
+    fn spread<P: Send>(&self, pieces: Vec<P>, work: impl Fn(P) + Sync + Send) {
+        if self.threads == 1 || pieces.len() <= 1 {
+            return pieces.into_iter().for_each(work);
+        }
+        let all = || {
+            let done: Result<Vec<()>, Infallible> = threads::map(pieces, |piece| {
+                work(piece);
+                Ok(())
+            });
+            done.map_or_else(|never| match never {}, drop);
+        };
+        match self.threads {
+            0 => all(),
+            count => threads::with(count, all).unwrap_or_else(|refused| (refused.work)()),
+        }
+    }
+}
+
+impl std::fmt::Debug for Batch<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Batch")
+            .field("coherent", &self.coherent)
+            .field("threads", &self.threads)
+            .field("instruction_set", &self.instruction_set)
+            .finish_non_exhaustive()
+    }
+}
+
+/// All hits of a batch's rays, ray after ray.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct BatchHits {
+    /// Where each ray's hits begin in `hits`, and at the end the number of all hits: one more than there are rays.
+    pub splits: Vec<usize>,
+    /// The hits of all rays, each ray's sorted by `t` and then by triangle id.
+    pub hits: Vec<Hit>,
+}
+
+impl BatchHits {
+    /// The hits of one ray.
+    ///
+    /// # Panics
+    /// When the batch had no ray at this position.
+    pub fn of(&self, ray: usize) -> &[Hit] {
+        &self.hits[self.splits[ray]..self.splits[ray + 1]]
+    }
+}

@@ -1,0 +1,111 @@
+//! The interface of everything that can be traced.
+
+use super::batch::BatchJob;
+use super::{Batch, Query};
+use crate::geometry::{Aabb, Hit, Ray, RefinedHit};
+use crate::traverse::{Conditions, NearestPoint};
+
+/// Anything that rays can be traced through: a [`KdTree`](crate::KdTree), an [`OpenTree`](crate::OpenTree) or a
+/// [`BruteForce`](crate::BruteForce). All of them give the same hits, to the last bit.
+///
+/// The verbs on this trait ask about one ray. [`Tracer::query`] asks the same with an excluded triangle or a filter, and
+/// [`Tracer::batch`] asks about many rays at once, which is several times faster.
+///
+/// ```
+/// use slimkd::{BuildOptions, KdTree, Ray, Tracer, TriangleMesh};
+///
+/// let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
+/// let tree = KdTree::build(TriangleMesh::new(corners, vec![[0, 1, 2], [3, 4, 5]])?, &BuildOptions::default())?;
+/// let ray = Ray::new([0.2, 0.2, 5.0], [0.0, 0.0, -1.0]);
+///
+/// assert_eq!(tree.closest(&ray).unwrap().triangle, 1);
+/// assert!(tree.any(&ray));
+/// assert_eq!(tree.count(&ray), 2);
+/// assert_eq!(tree.query().except(1).closest(&ray).unwrap().triangle, 0);
+/// assert_eq!(tree.nearest([0.2, 0.2, 0.1], f32::INFINITY).unwrap().triangle, 0);
+///
+/// let rays = [ray; 100];
+/// let mut hits = [None; 100];
+/// tree.batch().closest(&rays, &mut hits);
+/// assert_eq!(hits[99], tree.closest(&ray));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// The trait is sealed: only this crate implements it. It can be used as `dyn Tracer`.
+pub trait Tracer: Send + Sync {
+    /// Bounds of every triangle that can be hit, in scene units; empty where there is none.
+    fn bounds(&self) -> Aabb;
+
+    /// The corners of a triangle; `None` where no triangle has this id.
+    fn corners(&self, triangle: u32) -> Option<[[f32; 3]; 3]>;
+
+    /// The nearest hit with `t_min ≤ t ≤ t_max`. Equal `t` goes to the lowest triangle id. An invalid ray has none.
+    fn closest(&self, ray: &Ray) -> Option<Hit> {
+        self.closest_with(ray, Conditions::none())
+    }
+
+    /// Whether the ray hits anything with `t_min ≤ t ≤ t_max`. This is faster than [`Tracer::closest`].
+    fn any(&self, ray: &Ray) -> bool {
+        self.any_with(ray, Conditions::none())
+    }
+
+    /// All hits with `t_min ≤ t ≤ t_max`, each triangle once, sorted by `t` and then by triangle id.
+    fn all(&self, ray: &Ray) -> Vec<Hit> {
+        let mut hits = Vec::new();
+        self.first_with(ray, usize::MAX, Conditions::none(), &mut hits);
+        hits
+    }
+
+    /// The number of triangles that the ray hits with `t_min ≤ t ≤ t_max`. Both neighbours of an edge that the ray meets count.
+    fn count(&self, ray: &Ray) -> usize {
+        self.all(ray).len()
+    }
+
+    /// The point of all triangles that is nearest to `point`, if it is no farther than `max_distance` (scene units, inclusive, may
+    /// be infinite). Equal distances go to the lowest triangle id. The answer is decided in f64.
+    fn nearest(&self, point: [f32; 3], max_distance: f32) -> Option<NearestPoint> {
+        self.nearest_with(point, max_distance, Conditions::none())
+    }
+
+    /// A hit in f64: `t`, `u`, `v`, the point, the normal and the side, computed from the triangle's own corners. `None` where
+    /// `triangle` does not exist, where the ray runs within its plane, or where numbers leave the range of f64.
+    fn refine(&self, ray: &Ray, triangle: u32) -> Option<RefinedHit> {
+        RefinedHit::new(ray, &self.corners(triangle)?)
+    }
+
+    /// Asks about one ray or point with options: see [`Query`].
+    fn query(&self) -> Query<'_> {
+        Query::new(self.as_dyn())
+    }
+
+    /// Asks about many rays or points: see [`Batch`].
+    fn batch(&self) -> Batch<'_> {
+        Batch::new(self.as_dyn())
+    }
+
+    #[doc(hidden)]
+    fn as_dyn(&self) -> &(dyn Tracer + '_);
+
+    #[doc(hidden)]
+    fn closest_with(&self, ray: &Ray, conditions: Conditions<'_>) -> Option<Hit>;
+
+    #[doc(hidden)]
+    fn any_with(&self, ray: &Ray, conditions: Conditions<'_>) -> bool;
+
+    #[doc(hidden)]
+    fn first_with(&self, ray: &Ray, most: usize, conditions: Conditions<'_>, hits: &mut Vec<Hit>);
+
+    #[doc(hidden)]
+    fn nearest_with(
+        &self,
+        point: [f32; 3],
+        max_distance: f32,
+        conditions: Conditions<'_>,
+    ) -> Option<NearestPoint>;
+
+    #[doc(hidden)]
+    fn closest_batch(&self, job: BatchJob<'_>, hits: &mut [Option<Hit>]);
+
+    #[doc(hidden)]
+    fn any_batch(&self, job: BatchJob<'_>, hits: &mut [bool]);
+}

@@ -1,0 +1,122 @@
+//! What a tree must be able to do so that every query of a [`Tracer`](super::Tracer) works on it.
+
+use super::batch::BatchJob;
+use crate::geometry::{Aabb, Hit, Ray};
+use crate::traverse::{Any, Closest, Conditions, Filtered, First, NearestPoint, Search, Sink};
+
+/// A tree, or what answers like one.
+pub(crate) trait Walk: Send + Sync {
+    /// [`Tracer::bounds`](super::Tracer::bounds).
+    fn extent(&self) -> Aabb;
+
+    /// [`Tracer::corners`](super::Tracer::corners).
+    fn triangle(&self, id: u32) -> Option<[[f32; 3]; 3]>;
+
+    /// Offers every triangle that the ray may hit to `sink`, nearer ones mostly first. An invalid ray offers nothing.
+    fn walk(&self, ray: &Ray, sink: &mut impl Sink);
+
+    /// Offers every triangle that may be nearest to the point of `search`.
+    fn search(&self, search: &mut Search<'_>);
+
+    fn ask_closest(&self, ray: &Ray, conditions: Conditions<'_>) -> Option<Hit> {
+        let mut sink = Closest::new(ray.t_max, conditions.except);
+        match conditions.filter {
+            None => self.walk(ray, &mut sink),
+            Some(accept) => self.walk(ray, &mut Filtered { sink: &mut sink, accept }),
+        }
+        sink.into_hit()
+    }
+
+    fn ask_any(&self, ray: &Ray, conditions: Conditions<'_>) -> bool {
+        let mut sink = Any::new(ray.t_max, conditions.except);
+        match conditions.filter {
+            None => self.walk(ray, &mut sink),
+            Some(accept) => self.walk(ray, &mut Filtered { sink: &mut sink, accept }),
+        }
+        sink.found
+    }
+
+    fn ask_first(&self, ray: &Ray, most: usize, conditions: Conditions<'_>, hits: &mut Vec<Hit>) {
+        let mut sink = First::new(hits, most, ray.t_max, conditions.except);
+        match conditions.filter {
+            None => self.walk(ray, &mut sink),
+            Some(accept) => self.walk(ray, &mut Filtered { sink: &mut sink, accept }),
+        }
+        sink.finish();
+    }
+
+    fn ask_nearest(
+        &self,
+        point: [f32; 3],
+        max_distance: f32,
+        conditions: Conditions<'_>,
+    ) -> Option<NearestPoint> {
+        let mut search = Search::new(point, max_distance, &self.extent(), conditions)?;
+        self.search(&mut search);
+        search.into_nearest()
+    }
+
+    /// Closest hits of a batch; ray by ray where there is nothing faster.
+    fn closest_hits(&self, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {
+        for (at, (ray, hit)) in job.rays.iter().zip(hits).enumerate() {
+            *hit = job.conditions.alone(at, |conditions| self.ask_closest(ray, conditions));
+        }
+    }
+
+    /// Any-hit answers of a batch; ray by ray where there is nothing faster.
+    fn any_hits(&self, job: BatchJob<'_>, hits: &mut [bool]) {
+        for (at, (ray, hit)) in job.rays.iter().zip(hits).enumerate() {
+            *hit = job.conditions.alone(at, |conditions| self.ask_any(ray, conditions));
+        }
+    }
+}
+
+/// Makes a [`Walk`] a [`Tracer`]. A macro and not an implementation for all of them: so each tree's walks are compiled once, in this
+/// crate, and not again in every crate that asks.
+macro_rules! tracer {
+    ($type:ty) => {
+        impl $crate::query::Tracer for $type {
+            fn as_dyn(&self) -> &(dyn $crate::query::Tracer + '_) {
+                self
+            }
+
+            fn bounds(&self) -> Aabb {
+                self.extent()
+            }
+
+            fn corners(&self, triangle: u32) -> Option<[[f32; 3]; 3]> {
+                self.triangle(triangle)
+            }
+
+            fn closest_with(&self, ray: &Ray, conditions: Conditions<'_>) -> Option<Hit> {
+                self.ask_closest(ray, conditions)
+            }
+
+            fn any_with(&self, ray: &Ray, conditions: Conditions<'_>) -> bool {
+                self.ask_any(ray, conditions)
+            }
+
+            fn first_with(&self, ray: &Ray, most: usize, conditions: Conditions<'_>, hits: &mut Vec<Hit>) {
+                self.ask_first(ray, most, conditions, hits);
+            }
+
+            fn nearest_with(
+                &self,
+                point: [f32; 3],
+                max_distance: f32,
+                conditions: Conditions<'_>,
+            ) -> Option<NearestPoint> {
+                self.ask_nearest(point, max_distance, conditions)
+            }
+
+            fn closest_batch(&self, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {
+                self.closest_hits(job, hits);
+            }
+
+            fn any_batch(&self, job: BatchJob<'_>, hits: &mut [bool]) {
+                self.any_hits(job, hits);
+            }
+        }
+    };
+}
+pub(crate) use tracer;
