@@ -8,6 +8,7 @@
 mod error;
 mod gltf;
 mod obj;
+mod options;
 mod ply;
 mod progress;
 mod source;
@@ -17,6 +18,7 @@ mod textures;
 mod weld;
 
 pub use error::{LoadError, Place};
+pub use options::LoadOptions;
 pub use progress::LoadProgress;
 pub use source::Compression;
 
@@ -105,6 +107,17 @@ impl From<Format> for FileKind {
 /// # Ok::<(), slimkd_scene::LoadError>(())
 /// ```
 pub fn load(path: &Path, progress: &LoadProgress) -> Result<Scene, LoadError> {
+    load_with(path, &LoadOptions::new(), progress)
+}
+
+/// Loads a scene file as [`load`] does, with choices of the caller.
+///
+/// ```no_run
+/// use slimkd_scene::{LoadOptions, LoadProgress, load_with};
+/// let second = load_with("model.glb".as_ref(), &LoadOptions::new().scene_index(1), &LoadProgress::new())?;
+/// # Ok::<(), slimkd_scene::LoadError>(())
+/// ```
+pub fn load_with(path: &Path, options: &LoadOptions, progress: &LoadProgress) -> Result<Scene, LoadError> {
     progress.reach(0.0)?;
     let kind = FileKind::of(path);
     if kind.is_none() && path.is_dir() {
@@ -113,7 +126,7 @@ pub fn load(path: &Path, progress: &LoadProgress) -> Result<Scene, LoadError> {
     let kind = kind.ok_or_else(|| LoadError::UnknownFormat { path: path.to_owned() })?;
     let bytes = source::read(path, kind.compression, progress)?;
     let mut scene =
-        parse(kind.format, &bytes, Folder(Some(path.parent().unwrap_or(Path::new("")))), progress)?;
+        parse(kind.format, &bytes, Folder(Some(path.parent().unwrap_or(Path::new("")))), options, progress)?;
     let stem = path.file_stem().map(Path::new);
     let stem = if kind.compression == Compression::None {
         stem
@@ -134,12 +147,25 @@ pub fn load(path: &Path, progress: &LoadProgress) -> Result<Scene, LoadError> {
 /// # Ok::<(), slimkd_scene::LoadError>(())
 /// ```
 pub fn load_bytes(kind: impl Into<FileKind>, bytes: &[u8]) -> Result<Scene, LoadError> {
+    load_bytes_with(kind, bytes, &LoadOptions::new())
+}
+
+/// Loads a scene from memory as [`load_bytes`] does, with choices of the caller.
+pub fn load_bytes_with(
+    kind: impl Into<FileKind>,
+    bytes: &[u8],
+    options: &LoadOptions,
+) -> Result<Scene, LoadError> {
     let (kind, progress) = (kind.into(), LoadProgress::new());
     match kind.compression {
-        Compression::None => parse(kind.format, bytes, Folder(None), &progress),
-        compression => {
-            parse(kind.format, &source::decompress(compression, bytes, &progress)?, Folder(None), &progress)
-        }
+        Compression::None => parse(kind.format, bytes, Folder(None), options, &progress),
+        compression => parse(
+            kind.format,
+            &source::decompress(compression, bytes, &progress)?,
+            Folder(None),
+            options,
+            &progress,
+        ),
     }
 }
 
@@ -147,17 +173,29 @@ fn parse(
     format: Format,
     bytes: &[u8],
     folder: Folder<'_>,
+    options: &LoadOptions,
     progress: &LoadProgress,
 ) -> Result<Scene, LoadError> {
     if bytes.is_empty() {
         return Err(LoadError::Empty);
     }
     progress.reach(progress::READ_SHARE)?;
+    if let Some(index) = options.scene_index.filter(|&index| index > 0)
+        && !matches!(format, Format::Gltf | Format::Glb)
+    {
+        let what = format!("there is no scene {index}: the format has one scene");
+        return Err(LoadError::Invalid {
+            format,
+            place: Place::Whole,
+            what,
+            fix: "leave the scene's index out",
+        });
+    }
     let mut scene = match format {
         Format::Ply => ply::parse(bytes, progress),
         Format::Obj => obj::parse(bytes, folder, progress),
         Format::Stl => stl::parse(bytes, progress),
-        Format::Gltf | Format::Glb => gltf::parse(format, bytes, folder, None, progress),
+        Format::Gltf | Format::Glb => gltf::parse(format, bytes, folder, options.scene_index, progress),
     }?;
     if scene.materials.is_empty() {
         scene.materials.push(Material::default());
