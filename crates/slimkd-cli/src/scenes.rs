@@ -8,7 +8,7 @@ use crate::trees::Origin;
 use crate::ui::{Ui, Watched, grouped};
 use slimkd::KdTree;
 use slimkd_scene::procedural::{self, BuiltIn};
-use slimkd_scene::{FileKind, LoadError, LoadProgress, Scene};
+use slimkd_scene::{FileKind, LoadError, LoadOptions, LoadProgress, Scene};
 use std::fmt::Write;
 use std::fs::File;
 use std::num::NonZeroU32;
@@ -67,15 +67,18 @@ pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded
         return Err(unknown(path));
     }
     let (progress, started) = (LoadProgress::new(), Instant::now());
-    let scene =
-        ui.watch("load", &progress, || slimkd_scene::load(path, &progress)).map_err(|error| match error {
+    let mut options = LoadOptions::new();
+    options.scene_index = details.scene_index;
+    let scene = ui.watch("load", &progress, || slimkd_scene::load_with(path, &options, &progress)).map_err(
+        |error| match error {
             LoadError::Cancelled => Failure::Interrupted,
             // These name the file themselves.
             LoadError::Read { .. } | LoadError::NotAFile { .. } | LoadError::UnknownFormat { .. } => {
                 Failure::work(error)
             }
             other => Failure::at(path, other),
-        })?;
+        },
+    )?;
     let place = path.display().to_string();
     Ok(Loaded { scene, place, seconds: started.elapsed().as_secs_f64(), tree: None })
 }

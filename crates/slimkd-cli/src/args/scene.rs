@@ -24,4 +24,7 @@ pub(crate) struct SceneDetails {
     /// The scene that a tree.skd was built from: needed where it was saved with --no-mesh, and brings its materials
     #[arg(long, value_name = "SCENE")]
     pub(crate) mesh: Option<PathBuf>,
+    /// Which scene of a glTF file with several, from 0; without it the one that the file names as its default
+    #[arg(long, value_name = "N")]
+    pub(crate) scene_index: Option<usize>,
 }

@@ -156,7 +156,11 @@ fn measure(
     very_large: bool,
     ui: Ui,
 ) -> Result<slimkd_report::data::Scene, Failure> {
-    let details = SceneDetails { triangles: triangles.filter(|_| scenes::find(path).is_some()), mesh: None };
+    let details = SceneDetails {
+        triangles: triangles.filter(|_| scenes::find(path).is_some()),
+        mesh: None,
+        scene_index: None,
+    };
     let mut loaded = scenes::load(path, &details, ui)?;
     if loaded.scene.mesh.is_empty() {
         return Err(Failure::at(
