@@ -50,6 +50,10 @@ impl Watched for LoadProgress {
 
 /// Loads a file, or generates the built-in scene of that name. `./kitchen` is always a file.
 pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded, Failure> {
+    if details.scene_index.is_some() && (is_saved(path) || find(path).is_some()) {
+        let what = "only scene files have a choice of --scene-index; leave it out";
+        return Err(Failure::Usage(format!("{}: {what}", path.display())));
+    }
     if is_saved(path) {
         return saved::load(path, details, ui);
     }
