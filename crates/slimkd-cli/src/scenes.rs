@@ -50,6 +50,10 @@ impl Watched for LoadProgress {
 
 /// Loads a file, or generates the built-in scene of that name. `./kitchen` is always a file.
 pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded, Failure> {
+    if details.scene_index.is_some() && (is_saved(path) || find(path).is_some()) {
+        let what = "only scene files have a choice of --scene-index; leave it out";
+        return Err(Failure::Usage(format!("{}: {what}", path.display())));
+    }
     if is_saved(path) {
         return saved::load(path, details, ui);
     }
@@ -67,7 +71,8 @@ pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded
         return Err(unknown(path));
     }
     let (progress, started) = (LoadProgress::new(), Instant::now());
-    let mut options = LoadOptions::default();
+    let mut options = LoadOptions::new();
+    options.scene_index = details.scene_index;
     options.allow_outside = details.allow_outside;
     let scene = ui.watch("load", &progress, || slimkd_scene::load_with(path, &options, &progress)).map_err(
         |error| match error {

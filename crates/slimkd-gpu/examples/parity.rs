@@ -4,7 +4,7 @@
 
 use slimkd::{KdTree, Preset, Ray, Tracer};
 use slimkd_gpu::{Device, GpuTree, UploadOptions, t_bound};
-use slimkd_scene::{LoadProgress, Scene, load, procedural};
+use slimkd_scene::{Scene, load, procedural};
 use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -49,7 +49,7 @@ fn scene(name: &str) -> Result<Scene, Box<dyn Error>> {
     if let Some((name, triangles)) = name.split_once(':') {
         return procedural::generate(name, triangles.parse()?).ok_or_else(|| "no such scene".into());
     }
-    Ok(load(std::path::Path::new(name), &LoadProgress::new())?)
+    Ok(load(std::path::Path::new(name))?)
 }
 
 /// Half segments across the scene, half rays from where those hit to anywhere.

@@ -7,7 +7,7 @@ use slimkd::{KdTree, Preset};
 use slimkd_gpu::frame::GpuScene;
 use slimkd_gpu::{Device, UploadOptions};
 use slimkd_render::{BitDepth, Development, RenderProgress, RenderSettings, Setup, render, views};
-use slimkd_scene::{LoadProgress, load, procedural};
+use slimkd_scene::{load, procedural};
 use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (edge, samples, folder) = (number(1, 256)?, number(2, 1)?, arguments.get(3));
     let scene = match name.split_once(':') {
         Some((name, triangles)) => procedural::generate(name, triangles.parse()?).ok_or("no such scene")?,
-        None => load(Path::new(name), &LoadProgress::new())?,
+        None => load(Path::new(name))?,
     };
     let mut options = UploadOptions::default();
     if let Some((x, y)) =

@@ -6,7 +6,7 @@ use slimkd::{KdTree, Preset};
 use slimkd_gpu::frame::GpuScene;
 use slimkd_gpu::{Device, UploadOptions};
 use slimkd_render::{RenderProgress, RenderSettings, Setup, views};
-use slimkd_scene::{LoadProgress, load, procedural};
+use slimkd_scene::{load, procedural};
 use std::error::Error;
 use std::path::Path;
 
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (edge, rounds) = (number(1, 128)?, number(2, 5)?);
     let scene = match name.split_once(':') {
         Some((name, triangles)) => procedural::generate(name, triangles.parse()?).ok_or("no such scene")?,
-        None => load(Path::new(name), &LoadProgress::new())?,
+        None => load(Path::new(name))?,
     };
     let mut settings = RenderSettings::sized(edge, edge);
     (settings.samples, settings.occlusion) = (1, 0);

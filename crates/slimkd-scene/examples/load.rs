@@ -1,6 +1,6 @@
 //! Prints what scene files hold and how long they took to load: `cargo run --release --example load -- FILE…`
 
-use slimkd_scene::{LoadProgress, load};
+use slimkd_scene::load;
 use std::{env, path::Path, process::ExitCode, time::Instant};
 
 fn main() -> ExitCode {
@@ -13,7 +13,7 @@ fn main() -> ExitCode {
     for path in &paths {
         let path = Path::new(path);
         let start = Instant::now();
-        let scene = match load(path, &LoadProgress::new()) {
+        let scene = match load(path) {
             Ok(scene) => scene,
             Err(error) => {
                 eprintln!("{}: {error}", path.display());

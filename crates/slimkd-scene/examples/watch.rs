@@ -8,7 +8,7 @@
 //! they took to end, milliseconds.
 
 use slimkd::{BuildError, BuildOptions, KdTree, Preset, Progress};
-use slimkd_scene::{LoadProgress, load, procedural};
+use slimkd_scene::{load, procedural};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Some((name, triangles)) => {
             procedural::generate(name, triangles.parse()?).ok_or("no such scene")?.mesh
         }
-        None => load(name.as_ref(), &LoadProgress::new())?.mesh,
+        None => load(name)?.mesh,
     };
     let preset: Preset = arg(1).unwrap_or("slim").parse()?;
     let mut options = BuildOptions::from(preset);

@@ -65,7 +65,7 @@ fn materials_and_textures_come_from_beside_the_file() {
     )
     .unwrap();
     let progress = LoadProgress::new();
-    let scene = load(&at("scene.obj"), &progress).unwrap();
+    let scene = load(at("scene.obj")).unwrap();
     assert_eq!(progress.fraction(), 1.0);
     assert_eq!(scene.name, "scene");
     assert_eq!(scene.material_ids, [0, 1, 2, 1, 3, 4, 5]);

@@ -229,7 +229,7 @@ fn other_files_are_read_from_the_folder_and_below_alone() {
         let mut options = LoadOptions::default();
         options.allow_outside = allow_outside;
         let scene = load_with(&path, &options, &progress).unwrap();
-        assert!(allow_outside || load(&path, &progress).unwrap().warnings == scene.warnings);
+        assert!(allow_outside || load(&path).unwrap().warnings == scene.warnings);
         scene.warnings.is_empty()
     };
     let absolute = outer.path().join("out.mtl");
@@ -248,7 +248,7 @@ fn other_files_are_read_from_the_folder_and_below_alone() {
 /// The cases that other programs answered wrongly, where they are at hand: triangles, corners, areas and colours.
 #[test]
 fn the_shared_cases_come_out_right() {
-    use slimkd_scene::{LoadProgress, load};
+    use slimkd_scene::load;
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/cases");
     if !folder.is_dir() {
         eprintln!("skipped: {folder:?} is not there");
@@ -268,7 +268,7 @@ fn the_shared_cases_come_out_right() {
         ("vertex-colours.ply", 2),
     ];
     for (name, triangles) in cases {
-        let scene = load(&folder.join(name), &LoadProgress::new()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let scene = load(&folder.join(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
         assert_eq!(scene.mesh.len(), triangles, "{name}");
         match name {
             "concave-polygon.obj" => assert!((area(&scene) - 0.6667).abs() < 1e-4),

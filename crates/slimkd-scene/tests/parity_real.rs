@@ -6,7 +6,7 @@ mod oracle;
 
 use oracle::{check_invariants, compare, setting};
 use slimkd::{KdTree, Preset};
-use slimkd_scene::{LoadProgress, load};
+use slimkd_scene::load;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -47,7 +47,7 @@ fn real_scenes_agree_with_brute_force() {
             println!("skipped: {} has {triangles} triangles", path.display());
             continue;
         }
-        let scene = load(&path, &LoadProgress::new()).unwrap();
+        let scene = load(&path).unwrap();
         assert_eq!(scene.mesh.len(), triangles, "{}", scene.name);
         let build = |preset: &Preset| KdTree::build(Arc::clone(&scene.mesh), &(*preset).into()).unwrap();
         let trees: Vec<_> = Preset::ALL.iter().map(|p| (p.name().to_owned(), build(p))).collect();

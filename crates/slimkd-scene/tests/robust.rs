@@ -1,6 +1,8 @@
 //! Broken files of every format: an error of one line, never a panic, never a hang.
 
-use slimkd_scene::{Compression, FileKind, Format, LoadError, LoadProgress, load, load_bytes};
+use slimkd_scene::{
+    Compression, FileKind, Format, LoadError, LoadOptions, LoadProgress, load, load_bytes, load_with,
+};
 use std::{fs, io::Write, path::Path};
 
 const TETRAHEDRON: [[f32; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -205,7 +207,7 @@ fn paths_that_are_no_scene() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     let error = |path: &Path| {
-        let error = load(path, &LoadProgress::new()).unwrap_err();
+        let error = load(path).unwrap_err();
         check(&error);
         error
     };
@@ -239,7 +241,7 @@ fn compressed_files_by_their_names() {
         let (first, second) = bytes.split_at(100);
         fs::write(&path, [compress(compression, first), compress(compression, second)].concat()).unwrap();
         let progress = LoadProgress::new();
-        let scene = load(&path, &progress).unwrap();
+        let scene = load_with(&path, &LoadOptions::new(), &progress).unwrap();
         assert_eq!((scene.name.as_str(), scene.mesh.triangles()), ("a.b", &FACES[..]));
         assert_eq!(progress.fraction(), 1.0);
     }
@@ -273,5 +275,5 @@ fn a_cancelled_load_ends() {
     fs::write(&path, ply("ascii")).unwrap();
     let progress = LoadProgress::new();
     progress.cancel();
-    assert!(matches!(load(&path, &progress), Err(LoadError::Cancelled)));
+    assert!(matches!(load_with(&path, &LoadOptions::new(), &progress), Err(LoadError::Cancelled)));
 }

@@ -35,4 +35,7 @@ pub(crate) struct SceneDetails {
     /// Read materials, textures and buffers outside the scene file's folder as well
     #[arg(long)]
     pub(crate) allow_outside: bool,
+    /// Which scene of a glTF file with several, from 0; without it the one that the file names as its default
+    #[arg(long, value_name = "N")]
+    pub(crate) scene_index: Option<usize>,
 }

@@ -160,6 +160,7 @@ fn measure(
         triangles: triangles.filter(|_| scenes::find(path).is_some()),
         mesh: None,
         allow_outside: false,
+        scene_index: None,
     };
     let mut loaded = scenes::load(path, &details, ui)?;
     if loaded.scene.mesh.is_empty() {

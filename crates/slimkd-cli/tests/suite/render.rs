@@ -92,8 +92,7 @@ fn built_in_scenes_survive_their_file() {
     for scene in slimkd_scene::procedural::list() {
         assert!(list.contains(scene.name), "{list}");
         let run = tool.ok(&format!("scene {} --triangles 9000 -o a.ply", scene.name));
-        let progress = slimkd_scene::LoadProgress::new();
-        let loaded = slimkd_scene::load(&tool.path("a.ply"), &progress).unwrap();
+        let loaded = slimkd_scene::load(tool.path("a.ply")).unwrap();
         let generated = slimkd_scene::procedural::generate(scene.name, 9000).unwrap();
         assert!(loaded.mesh == generated.mesh, "{}", scene.name);
         assert!(run.stderr.contains("wrote a.ply"), "{}", run.stderr);

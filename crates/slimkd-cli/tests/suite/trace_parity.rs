@@ -6,7 +6,7 @@ mod rays;
 use crate::common::{Tool, ray_file};
 use rayon::prelude::*;
 use slimkd::{BruteForce, Hit, Preset, Tracer, TriangleMesh};
-use slimkd_scene::{LoadProgress, load, procedural};
+use slimkd_scene::{load, procedural};
 use std::path::Path;
 
 /// Rays a scene.
@@ -81,6 +81,6 @@ fn real_scenes() {
             println!("skipped: the path of {name} holds a space");
             continue;
         }
-        check(scene, &load(&path, &LoadProgress::new()).unwrap().mesh);
+        check(scene, &load(&path).unwrap().mesh);
     }
 }

@@ -7,7 +7,7 @@ use crate::workload::view::View;
 use anyhow::{Context, Result, bail, ensure};
 use slimkd::KdTree;
 use slimkd_render::views;
-use slimkd_scene::{LoadProgress, Scene, procedural};
+use slimkd_scene::{Scene, procedural};
 use std::path::Path;
 
 /// Triangles of `soup` where no number is given.
@@ -34,7 +34,7 @@ pub fn open(args: &Args) -> Result<Scene> {
             args.scene,
             procedural::list().iter().map(|scene| scene.name).collect::<Vec<_>>().join(", ")
         );
-        slimkd_scene::load(path, &LoadProgress::new())?
+        slimkd_scene::load(path)?
     };
     ensure!(!bounds(&scene.mesh).is_empty(), "{}: no valid triangle, nothing to measure", args.scene);
     if let Some(up) = args.up {

@@ -4,7 +4,7 @@ use crate::common::*;
 use glam::Vec3;
 use slimkd::{BuildOptions, KdTree, Ray, Tracer, TriangleMesh};
 use slimkd_render::{RenderProgress, RenderSettings, render, views};
-use slimkd_scene::{Camera, LoadProgress, Scene, load, procedural};
+use slimkd_scene::{Camera, Scene, load, procedural};
 use std::path::PathBuf;
 
 fn within(tree: &KdTree, point: Vec3) -> bool {
@@ -85,7 +85,7 @@ fn real_scenes() {
             println!("skipped: {name} is not there");
             continue;
         }
-        let scene = load(&path, &LoadProgress::new()).unwrap();
+        let scene = load(&path).unwrap();
         let tree = KdTree::build(scene.mesh.clone(), &BuildOptions::default()).unwrap();
         let found = views::find(&scene, &tree, 3);
         assert_eq!(found.len(), 3);

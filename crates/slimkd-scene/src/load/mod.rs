@@ -10,6 +10,7 @@ mod gltf;
 mod grid;
 mod obj;
 mod off;
+mod options;
 mod ply;
 mod polygon;
 mod progress;
@@ -20,6 +21,7 @@ mod textures;
 mod weld;
 
 pub use error::{LoadError, Place};
+pub use options::LoadOptions;
 pub use progress::LoadProgress;
 pub use source::Compression;
 
@@ -112,33 +114,30 @@ impl From<Format> for FileKind {
     }
 }
 
-/// How a scene file is loaded.
-///
-/// ```
-/// let mut options = slimkd_scene::LoadOptions::default();
-/// options.allow_outside = true;
-/// ```
-#[derive(Clone, Debug, Default)]
-#[non_exhaustive]
-pub struct LoadOptions {
-    /// Whether files that the scene names (materials, textures, buffers) may lie outside the scene file's folder. Where they
-    /// may not, which is the default, they count as missing: a file from elsewhere cannot make a program read any file.
-    pub allow_outside: bool,
-}
-
 /// Loads a scene file; its kind is told by the name's endings, see [`FileKind::of`].
 ///
 /// ```no_run
-/// let scene = slimkd_scene::load("hospital.ply.zst".as_ref(), &slimkd_scene::LoadProgress::new())?;
+/// let scene = slimkd_scene::load("hospital.ply.zst")?;
 /// println!("{} triangles", scene.mesh.len());
 /// # Ok::<(), slimkd_scene::LoadError>(())
 /// ```
-pub fn load(path: &Path, progress: &LoadProgress) -> Result<Scene, LoadError> {
-    load_with(path, &LoadOptions::default(), progress)
+pub fn load(path: impl AsRef<Path>) -> Result<Scene, LoadError> {
+    load_with(path, &LoadOptions::new(), &LoadProgress::new())
 }
 
-/// Loads a scene file as `options` say; see [`load`].
-pub fn load_with(path: &Path, options: &LoadOptions, progress: &LoadProgress) -> Result<Scene, LoadError> {
+/// Loads a scene file as [`load`] does, with choices of the caller, and reports to `progress`, which can also cancel it.
+///
+/// ```no_run
+/// use slimkd_scene::{LoadOptions, LoadProgress, load_with};
+/// let second = load_with("model.glb", &LoadOptions::new().scene_index(1), &LoadProgress::new())?;
+/// # Ok::<(), slimkd_scene::LoadError>(())
+/// ```
+pub fn load_with(
+    path: impl AsRef<Path>,
+    options: &LoadOptions,
+    progress: &LoadProgress,
+) -> Result<Scene, LoadError> {
+    let path = path.as_ref();
     progress.reach(0.0)?;
     let kind = FileKind::of(path);
     if kind.is_none() && path.is_dir() {
@@ -148,7 +147,7 @@ pub fn load_with(path: &Path, options: &LoadOptions, progress: &LoadProgress) ->
     let bytes = source::read(path, kind.compression, progress)?;
     let folder =
         Folder { path: Some(path.parent().unwrap_or(Path::new(""))), allow_outside: options.allow_outside };
-    let mut scene = parse(kind.format, &bytes, folder, progress)?;
+    let mut scene = parse(kind.format, &bytes, folder, options, progress)?;
     let stem = path.file_stem().map(Path::new);
     let stem = if kind.compression == Compression::None {
         stem
@@ -169,15 +168,23 @@ pub fn load_with(path: &Path, options: &LoadOptions, progress: &LoadProgress) ->
 /// # Ok::<(), slimkd_scene::LoadError>(())
 /// ```
 pub fn load_bytes(kind: impl Into<FileKind>, bytes: &[u8]) -> Result<Scene, LoadError> {
+    load_bytes_with(kind, bytes, &LoadOptions::new())
+}
+
+/// Loads a scene from memory as [`load_bytes`] does, with choices of the caller.
+pub fn load_bytes_with(
+    kind: impl Into<FileKind>,
+    bytes: &[u8],
+    options: &LoadOptions,
+) -> Result<Scene, LoadError> {
     let (kind, progress) = (kind.into(), LoadProgress::new());
     match kind.compression {
-        Compression::None => {
-            parse(kind.format, bytes, Folder { path: None, allow_outside: false }, &progress)
-        }
+        Compression::None => parse(kind.format, bytes, Folder::NONE, options, &progress),
         compression => parse(
             kind.format,
             &source::decompress(compression, bytes, &progress)?,
-            Folder { path: None, allow_outside: false },
+            Folder::NONE,
+            options,
             &progress,
         ),
     }
@@ -187,12 +194,24 @@ fn parse(
     format: Format,
     bytes: &[u8],
     folder: Folder<'_>,
+    options: &LoadOptions,
     progress: &LoadProgress,
 ) -> Result<Scene, LoadError> {
     if bytes.is_empty() {
         return Err(LoadError::Empty);
     }
     progress.reach(progress::READ_SHARE)?;
+    if let Some(index) = options.scene_index.filter(|&index| index > 0)
+        && !matches!(format, Format::Gltf | Format::Glb)
+    {
+        let what = format!("there is no scene {index}: the format has one scene");
+        return Err(LoadError::Invalid {
+            format,
+            place: Place::Whole,
+            what,
+            fix: "leave the scene's index out",
+        });
+    }
     let mut scene = match format {
         Format::Ply => ply::parse(bytes, progress),
         Format::Obj => obj::parse(bytes, folder, progress),
@@ -200,7 +219,7 @@ fn parse(
         Format::Off => off::parse(bytes, progress),
         Format::AsciiGrid => grid::parse_ascii(bytes, progress),
         Format::Npy => grid::parse_npy(bytes, progress),
-        Format::Gltf | Format::Glb => gltf::parse(format, bytes, folder, progress),
+        Format::Gltf | Format::Glb => gltf::parse(format, bytes, folder, options.scene_index, progress),
     }?;
     if scene.materials.is_empty() {
         scene.materials.push(Material::default());

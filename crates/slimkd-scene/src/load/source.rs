@@ -175,6 +175,9 @@ pub(super) struct Folder<'a> {
 }
 
 impl Folder<'_> {
+    /// Of a scene from memory: it has no files beside it.
+    pub(super) const NONE: Self = Self { path: None, allow_outside: false };
+
     /// Reads the file of that relative name. The error says why not, without the name.
     pub(super) fn read(self, name: &str) -> Result<Vec<u8>, String> {
         let (mut file, length) = open(&self.path(name)?).map_err(|error| match error {

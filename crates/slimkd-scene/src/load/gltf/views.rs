@@ -1,9 +1,8 @@
 //! glTF cameras and lights.
 
-use super::Reader;
+use super::{json::Node, reader::Reader};
 use crate::{Camera, Light, Scene, Warning, WarningKind, load::warn};
 use glam::{DMat4, DVec3, Vec3};
-use gltf::json::{extensions::scene::khr_lights_punctual::Type, scene::Node, validation::Checked};
 
 impl Reader<'_> {
     /// Adds the camera and the light of a node whose transform to world space is `world`.
@@ -13,39 +12,37 @@ impl Reader<'_> {
         let forward = world.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z).as_vec3();
         if let Some(camera) = node.camera {
             let up = world.transform_vector3(DVec3::Y).normalize_or(DVec3::Y).as_vec3();
-            let perspective =
-                self.root.cameras.get(camera.value()).and_then(|camera| camera.perspective.as_ref());
-            match perspective {
-                Some(lens) if lens.yfov > 0.0 && lens.yfov < std::f32::consts::PI && position.is_finite() => {
-                    let (eye, target, fov) = (position, position + forward, lens.yfov.to_degrees());
+            let perspective = self.root.cameras.get(camera.0).and_then(|camera| camera.perspective.as_ref());
+            match perspective.map(|lens| lens.yfov) {
+                Some(yfov) if yfov > 0.0 && yfov < std::f64::consts::PI && position.is_finite() => {
+                    let (eye, target, fov) = (position, position + forward, yfov.to_degrees() as f32);
                     scene.cameras.push(Camera { eye, target, up, fov });
                 }
                 _ => {
-                    let what = format!("cameras[{}] has no perspective and was left out", camera.value());
-                    warn(&mut scene.warnings, Warning::new(WarningKind::Invalid, what));
+                    let what = format!("cameras[{}] has no perspective and was left out", camera.0);
+                    warn(&mut scene.warnings, Warning::new(WarningKind::Ignored, what));
                 }
             }
         }
-        let light = node.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
-        let Some(index) = light.map(|light| light.light) else { return };
-        let Some(light) = self.root.get(index) else {
-            let what = format!("lights[{}] is missing and was left out", index.value());
+        let light = node.extensions.as_ref().and_then(|extensions| extensions.light.as_ref());
+        let Some(index) = light.map(|light| light.light.0) else { return };
+        let Some(light) = self.root.extensions.lights.lights.get(index) else {
+            let what = format!("lights[{index}] is missing and was left out");
             warn(&mut scene.warnings, Warning::new(WarningKind::Missing, what));
             return;
         };
         let power = Vec3::from(light.color).max(Vec3::ZERO) * light.intensity.max(0.0);
         if !power.is_finite() || !position.is_finite() {
-            let what = format!("lights[{}] is not finite and was left out", index.value());
+            let what = format!("lights[{index}] is not finite and was left out");
             warn(&mut scene.warnings, Warning::new(WarningKind::Invalid, what));
             return;
         }
-        scene.lights.push(match light.type_ {
-            Checked::Valid(Type::Directional) => Light::Directional { direction: forward, irradiance: power },
-            Checked::Valid(Type::Point) => Light::Point { position, intensity: power },
+        scene.lights.push(match light.kind.as_str() {
+            "directional" => Light::Directional { direction: forward, irradiance: power },
+            "point" => Light::Point { position, intensity: power },
             _ => {
-                let what =
-                    format!("lights[{}] is a spot light; it shines in all directions here", index.value());
-                warn(&mut scene.warnings, Warning::new(WarningKind::Invalid, what));
+                let what = format!("lights[{index}] is a spot light; it shines in all directions here");
+                warn(&mut scene.warnings, Warning::new(WarningKind::Ignored, what));
                 Light::Point { position, intensity: power }
             }
         });
