@@ -129,8 +129,8 @@ impl Source {
 
     fn of(args: &TraceArgs, ui: Ui) -> Result<Self, Failure> {
         let scene = &args.scene.scene;
-        if args.no_verify && args.more.more.is_empty() {
-            if !saved::is_saved(scene) {
+        if args.no_verify {
+            if !saved::is_saved(scene) || !args.more.more.is_empty() {
                 let what = "only a saved tree can be traced with --no-verify; leave it out";
                 return Err(Failure::Usage(format!("{}: {what}", scene.display())));
             }

@@ -20,3 +20,22 @@ fn warnings_are_printed_listed_hidden_and_made_errors() {
         tool.fails(&format!("{command} --strict --quiet"), 1, &["odd.obj", "--strict"]);
     }
 }
+
+#[test]
+fn several_models_are_one_scene_and_are_converted() {
+    let tool = Tool::new();
+    tool.file("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    tool.file("b.off", "OFF\n4 1 0\n0 0 1\n4 0 1\n1 1 1\n0 4 1\n4 0 1 2 3\n");
+    tool.ok("convert a.obj b.off -o both.ply");
+    for command in ["build a.obj b.off --json", "inspect both.ply --json"] {
+        let json = tool.json(command);
+        assert_eq!(json["scene"]["triangles"], 3, "{command}");
+        assert_eq!(json["scene"]["vertices"], 7, "{command}");
+    }
+    let check = &tool.json("inspect both.ply --json")["mesh_check"];
+    assert_eq!((&check["parts"], &check["open_edges"]), (&2.into(), &7.into()));
+    tool.fails("convert a.obj b.off -o a.obj", 2, &["a.obj"]);
+    tool.fails("convert a.obj b.off -o a.stl", 2, &["end the name in .ply"]);
+    tool.fails("convert a.obj nothing.off -o c.ply", 1, &["nothing.off"]);
+    assert!(!tool.files().contains("c.ply"));
+}
