@@ -1,8 +1,7 @@
 //! Why there is no report.
 
-use crate::measure::DeviceError;
 use slimkd::BuildError;
-use slimkd_render::CameraError;
+use slimkd_render::{CameraError, RenderError};
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -76,4 +75,16 @@ impl ReportError {
     pub(crate) fn file(path: impl Into<PathBuf>, reason: impl std::fmt::Display) -> Self {
         Self::File { path: path.into(), reason: reason.to_string() }
     }
+}
+
+/// Why a device shows no picture.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum DeviceError {
+    /// It cannot be rendered anywhere, or was cancelled.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// The device failed: it says why.
+    #[error("{0}")]
+    Failed(String),
 }

@@ -9,5 +9,5 @@ mod progress;
 pub mod soup;
 pub mod vector;
 
-pub use error::ReportError;
+pub use error::{DeviceError, ReportError};
 pub use progress::Progress;

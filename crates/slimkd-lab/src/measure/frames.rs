@@ -2,6 +2,7 @@
 
 use super::session::Session;
 use super::trees::Trees;
+pub use crate::basics::DeviceError;
 use crate::schema::{Frames, Timed, View};
 use crate::{Progress, ReportError};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -9,7 +10,6 @@ use slimkd::{KdTree, Preset};
 use slimkd_render::{Film, RenderError, RenderSettings, render};
 use slimkd_scene::{Camera, Scene};
 use std::time::Instant;
-use thiserror::Error;
 
 /// Where pictures are rendered.
 pub trait Device {
@@ -42,18 +42,6 @@ pub trait Ready {
         settings: &RenderSettings,
         progress: &Progress,
     ) -> Result<(Film, f64), DeviceError>;
-}
-
-/// Why a device shows no picture.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum DeviceError {
-    /// It cannot be rendered anywhere, or was cancelled.
-    #[error(transparent)]
-    Render(#[from] RenderError),
-    /// The device failed: it says why.
-    #[error("{0}")]
-    Failed(String),
 }
 
 /// The processor.
