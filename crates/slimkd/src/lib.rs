@@ -28,7 +28,9 @@
 //! - One ray with options: `tree.query().except(triangle).filter(&mut |hit| …).closest(&ray)`, see [`Query`].
 //! - Many rays: `tree.batch().coherent().threads(0).closest(&rays, &mut hits)`, see [`Batch`]. Batches trace several times as
 //!   fast as single rays. The hits are the same.
-//! - A hit in f64, with its point, its normal and its side: [`Tracer::refine`]. Values between vertices: [`Hit::interpolate`].
+//! - A hit in f64, with its point, its unit normal and its side: `tree.refine(&ray, hit.triangle)`, see [`Tracer::refine`].
+//! - The value at the hit of an attribute that the vertices have (a shading normal, a colour): [`Hit::interpolate`]. A mesh and a
+//!   tree hold no attributes; keep them in arrays of your own, and find the three values by the triangle's vertex indices.
 //!
 //! # What a hit is
 //!
@@ -39,7 +41,10 @@
 //!
 //! # Ambient occlusion, shadows and other rays that start on a surface
 //!
-//! Leave out the triangle that a ray starts on, instead of moving `t_min`: no near hit is lost, and batches stay as fast.
+//! Leave out the triangle that a ray starts on, instead of moving `t_min`: no near hit is lost, and batches stay as fast. A shadow ray
+//! towards a light at a finite distance has the direction `light − start` and the range `[0, 1]`, since `t` counts in units of the
+//! direction. The range includes 1: where the light is itself a triangle of the mesh, end the range a little earlier, or leave
+//! that triangle out by [`Batch::filter`].
 //!
 //! ```
 //! use slimkd::{BuildOptions, KdTree, Ray, Tracer, TriangleMesh};
@@ -47,9 +52,14 @@
 //! # let tree = KdTree::build(TriangleMesh::new(corners, vec![[0, 1, 2], [3, 4, 5]])?, &BuildOptions::default())?;
 //! let seen = tree.closest(&Ray::new([0.2, 0.2, 0.5], [0.0, 0.0, -1.0])).unwrap();
 //! let start = [0.2, 0.2, 0.0];
-//! let rays = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.1], [-1.0, 0.0, 0.1]].map(|direction| Ray::new(start, direction));
+//! let lights = [[0.2, 0.2, 9.0], [9.2, 0.2, 0.9], [-8.8, 0.2, 0.9]];
+//! let rays = lights.map(|[x, y, z]| {
+//!     let to_light = [x - start[0], y - start[1], z - start[2]];
+//!     Ray::new(start, to_light).with_range(0.0, 1.0)
+//! });
+//! let except = [seen.triangle; 3]; // one for each ray; `u32::MAX` leaves out none
 //! let mut occluded = [false; 3];
-//! tree.batch().except(&[seen.triangle; 3]).any(&rays, &mut occluded);
+//! tree.batch().except(&except).threads(0).any(&rays, &mut occluded); // `threads(0)`: all threads
 //! assert_eq!(occluded, [true, false, false]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -57,18 +67,19 @@
 //! # Keeping a tree
 //!
 //! [`KdTree::save`] and [`KdTree::load`] keep a tree in a file, [`KdTree::write`] and [`KdTree::read`] in any stream, with or without
-//! the mesh. Reading proves the whole file. [`OpenTree`] is ready at once over mapped bytes and checks each access instead.
+//! the mesh. Reading proves the whole file. [`OpenTree`] is ready at once over mapped bytes and checks each access instead; it needs
+//! a file that was saved with its mesh. Attributes of the vertices are not saved.
 //!
 //! # How small, how fast
 //!
-//! [`Preset`] names points of one [`BuildOptions`]: [`Preset::Slim`], the default, is about as fast as [`Preset::Standard`] at an
+//! A [`Preset`] is a named set of [`BuildOptions`]. [`Preset::Slim`], the default, is about as fast as [`Preset::Standard`] at an
 //! eighth of its size and never takes more than 10 bytes a triangle; [`Preset::Tiny`] is smaller still. [`BuildOptions::max_tree`]
-//! asks for a size. [`KdTree::memory`] says what a tree takes, exact to the byte; [`KdTree::statistics`] what it looks like.
+//! asks for a size. [`KdTree::memory`] gives the size of a tree, exact to the byte, and [`KdTree::statistics`] its shape in numbers.
 //!
 //! # Building
 //!
-//! Builds run on the current rayon pool or on [`BuildOptions::threads`] threads; the tree's bytes are the same. A
-//! [`Progress`] tells another thread how far a build is, and cancels it. Depth is bounded only by the scene.
+//! A build runs on the current rayon pool or on [`BuildOptions::threads`] threads; the tree's bytes are the same. A
+//! [`Progress`] tells another thread how far a build is, and cancels it. No option limits the tree's depth.
 //!
 //! # Vectors of other crates
 //!

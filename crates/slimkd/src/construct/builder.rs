@@ -33,14 +33,16 @@ impl<'a> Builder<'a> {
         Ok(Self { job, bounds, budget, scratch: Mutex::new(Vec::new()) })
     }
 
-    /// The tree over `triangles`, ids of all that can be hit. Subtrees are collapsed already if
-    /// [`BuildOptions::collapses_while_building`](crate::BuildOptions).
+    /// The plan of the tree over `triangles`, which are the ids of all triangles that can be hit. Where
+    /// `BuildOptions::collapses_while_building` holds, its subtrees are collapsed already.
     pub(crate) fn build(&self, triangles: &[u32], pace: &Pace) -> Result<Plan, BuildError> {
+        // 1. Make one fragment a triangle. The ids stay with the caller until this returns, so they count as well.
         let Self { job, bounds, .. } = self;
         let ids = size_of_val(triangles);
         job.memory.take(ids + size_of::<Fragment>() * triangles.len())?;
         let pieces = self.fragments(triangles)?;
 
+        // 2. Split large nodes on all threads. Nodes that one thread can take become numbered tasks.
         job.progress.begin(pace.top);
         let limits = Limits {
             sequential_below: sequential_below(job.options, triangles.len()),
@@ -49,16 +51,18 @@ impl<'a> Builder<'a> {
         let mut tasks = Vec::new();
         let top = self.fork(Task { pieces, voxel: *bounds }, 0, &limits)?.numbered(&mut tasks);
 
+        // 3. Build the tasks, one thread each.
         job.progress.begin(pace.below);
         let (subtrees, price) = self.subtrees(tasks, &top, pace.below)?;
 
+        // 4. Join the top and the subtrees to one plan.
         job.progress.begin(pace.join);
         self.scratch.lock().expect("no worker panics").clear();
         job.memory.give(ids);
         Ok(Plan { price, ..self.joined(&top, subtrees, pace.join)? })
     }
 
-    /// The tree over what `voxel` holds of `triangles`, by this thread alone, not collapsed.
+    /// The plan of the subtree over the parts of `triangles` that lie in `voxel`, built by this thread alone and not collapsed.
     pub(crate) fn rebuild(&self, triangles: &[u32], voxel: Aabb) -> Result<Plan, BuildError> {
         let exact = self.job.options.clipping.is_exact_for(triangles.len() as u32);
         let fragments =
@@ -76,11 +80,13 @@ impl<'a> Builder<'a> {
         })
     }
 
-    /// The top and all that hangs below it in one plan; moves the progress by `share`.
+    /// The top and all subtrees below it in one plan, in preorder; moves the progress by `share`.
     fn joined(&self, top: &Top, mut subtrees: Vec<Plan>, share: f64) -> Result<Plan, BuildError> {
+        // The root was a task itself, so the one subtree is the whole tree.
         if let [only] = &mut subtrees[..] {
             return Ok(std::mem::take(only));
         }
+        // Allocate the whole plan first; the account of memory holds it and the subtrees together until these are freed.
         let (inner, _) = top.sums();
         let total = |of: fn(&Plan) -> usize| subtrees.iter().map(of).sum::<usize>();
         let parts = total(Plan::bytes);
@@ -97,8 +103,8 @@ impl<'a> Builder<'a> {
         Ok(plan)
     }
 
-    /// Appends a part of the top to `plan`, which has room. Subtrees are freed as soon as they are copied. A node moves the
-    /// progress by `share`.
+    /// Appends a part of the top, with the subtrees below it, to `plan`, which has room for them. A subtree is freed as soon as it is
+    /// copied. Each node moves the progress by `share`. The recursion is as deep as the top, which has a bound (`grow/top.rs`).
     fn append(
         &self,
         top: &Top,
@@ -114,6 +120,7 @@ impl<'a> Builder<'a> {
                 self.job.progress.advance(share * subtree.nodes.len() as f64);
             }
             Top::Inner(node) => {
+                // The place of the right child is known only once the left one is appended.
                 let (at, axis, split) = (plan.nodes.len(), node.axis, node.split);
                 plan.nodes.push(PlanNode::Inner { axis, split, right: 0 });
                 plan.counts.extend(self.job.options.needs_counts().then_some(node.count));
@@ -125,7 +132,7 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// Buffers for one thread; they go back by [`Builder::give_scratch`].
+    /// Buffers for one thread, reused from earlier subtrees. The caller returns them by [`Builder::give_scratch`].
     pub(super) fn take_scratch(&self) -> Box<Scratch> {
         self.scratch.lock().expect("no worker panics").pop().unwrap_or_default()
     }

@@ -1,8 +1,8 @@
-//! What hangs below the top of the tree: many subtrees, each built by one thread, and where asked for collapsed as soon as it
-//! stands.
+//! The subtrees below the top of the tree. Each is built by one thread and, where the options ask for it, collapsed as soon as it is
+//! built.
 //!
-//! Deviation from a collapse of the whole tree: no node of the top collapses. It holds hundreds or thousands of triangles, and
-//! its best split already was cheaper than a leaf.
+//! Deviation from a collapse of the whole tree: no node of the top collapses. Such a node holds hundreds or thousands of triangles,
+//! and its best split was already cheaper than a leaf.
 
 use super::Builder;
 use super::grow::{Task, Top};
@@ -13,22 +13,24 @@ use crate::options::BuildError;
 use crate::plan::{Plan, Price, collapse_subtree};
 use crate::threads;
 
-/// Building a subtree of the sample in full, in units of building one whose bytes have a price.
+/// Time to build a subtree in full, in units of the time to build the same subtree while bytes have a price.
 const FULL: f64 = 1.6;
-/// Pruning it once, in the same units, and how often that is done to meet a budget, about.
+/// Time to prune a subtree that was built in full, once, in the same units.
 const PRUNED: f64 = 0.35;
+/// About how often each subtree of the sample is pruned to find the weight that keeps to a budget.
 const TIMES: f64 = 3.0;
 
-/// Steps that building a subtree of so many triangles takes, about.
+/// About how many steps it takes to build a subtree of so many triangles; only ratios matter.
 fn steps(triangles: usize) -> f64 {
     let n = triangles as f64;
     n * (n + 2.0).log2()
 }
 
-/// How the progress of this phase is shared out among its parts.
+/// How the share of this phase in the build's time is divided among the subtrees.
 pub(super) struct Shares {
+    /// The share of the whole phase.
     phase: f64,
-    /// Steps of all parts.
+    /// The steps of all work of the phase together.
     steps: f64,
 }
 
@@ -57,6 +59,7 @@ impl Builder<'_> {
         top: &Top,
         share: f64,
     ) -> Result<(Vec<Plan>, Option<Price>), BuildError> {
+        // 1. Without collapsing, every subtree is built in full and kept.
         let mut shares = Shares { phase: share, steps: tasks.iter().map(|task| steps(task.count())).sum() };
         let mut tasks: Vec<Option<Task>> = tasks.into_iter().map(Some).collect();
         let mut plans: Vec<Plan> = filled(Plan::default(), tasks.len())?;
@@ -65,28 +68,30 @@ impl Builder<'_> {
             self.build_rest(tasks, &mut plans, None, &shares)?;
             return Ok((plans, None));
         }
+        // 2. Where only rays count, subtrees are collapsed at the price 0. Where all subtrees are in the sample, there is no budget here:
+        //    the finished tree is pruned to it instead.
         let root_area = self.bounds.surface_area();
         let sizes = Size::of(&tasks, root_area);
-        // Where all subtrees are in the sample, the finished tree is pruned to its budget instead.
         let budget = self.budget.filter(|_| is_sampled(&sizes));
         if options.byte_weight == 0.0 && budget.is_none() {
-            // Only rays count: there is nothing to estimate.
             let free = Price { byte_weight: 0.0, cost_of_a_byte: 0.0, root_area };
             self.build_rest(tasks, &mut plans, Some(free), &shares)?;
             return Ok((plans, None));
         }
+        // 3. Choose the sample. Its subtrees take longer than the others, which changes all shares.
         let chosen = chosen(&sizes);
         let sampled: f64 = chosen.iter().map(|&number| steps(sizes[number].count())).sum();
         let prunings = if budget.is_some() { 1.0 + TIMES } else { 1.0 };
         shares.steps += (FULL + PRUNED * prunings - 1.0) * sampled;
 
-        // What a byte costs follows from a sample of the subtrees; the rest is then built at that price.
+        // 4. Build the sample in full. What a byte costs follows from it, and with a budget the byte weight too.
         let sample = Sample { built: self.sample(&mut tasks, &chosen, &sizes, &shares)?, sizes: &sizes, top };
         let cost_of_a_byte = self.cost_of_a_byte(&sample);
         let byte_weight = match budget {
             Some(budget) => self.weight_within(&sample, cost_of_a_byte, budget, &shares)?,
             None => options.byte_weight,
         };
+        // 5. Collapse the sample at that price, and build the other subtrees at it.
         let price = Price { byte_weight, cost_of_a_byte, root_area };
         let collapsed = threads::map(sample.built, |built| {
             self.job.check()?;
@@ -99,7 +104,7 @@ impl Builder<'_> {
         Ok((plans, Some(price)))
     }
 
-    /// Builds what is left of the tasks, collapsed where there is a price.
+    /// Builds the tasks that are still there, each into its place in `plans`, and collapses them where there is a price.
     fn build_rest(
         &self,
         tasks: Vec<Option<Task>>,
@@ -119,7 +124,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Collapses a subtree and brings the account of memory in line with what it takes then.
+    /// Collapses a subtree, and counts its new size in the account of memory in place of the old one.
     pub(super) fn collapsed(&self, plan: Plan, voxel: &Aabb, price: Price) -> Result<Plan, BuildError> {
         let held = plan.bytes();
         let plan = collapse_subtree(plan, voxel, price, self.job)?;

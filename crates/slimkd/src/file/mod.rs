@@ -13,14 +13,14 @@
 //! | vertices, triangles | the mesh; both or neither | here |
 //! | nodes, indices… | the encoded tree | `sections.rs` |
 //!
-//! The same bytes from any build of the same scene with the same options: no thread count, time or path is inside, and
+//! Every build of the same scene with the same options gives the same file: it holds no thread count, time or path, and
 //! the sections' order, places and padding follow from their lengths. A section of unknown kind is an error, since a
-//! tree without it would be another tree.
+//! tree without it would be another tree. Attributes of the vertices are not part of the file.
 //!
 //! [`KdTree::read`] proves everything before it returns: checksums, pointers, ids, order, bounds, depth, and that each
 //! triangle that can be hit is somewhere in the tree. So a damaged or hostile file is an error and never a wrong access.
-//! Memory is taken as bytes arrive, so a length that lies ends at the file's end. [`OpenTree`] proves nothing of the arrays and
-//! checks each access instead.
+//! Memory is taken as bytes arrive, so a false length takes no more memory than the file has bytes. [`OpenTree`] proves nothing of
+//! the arrays and checks each access instead.
 
 mod bytes;
 mod open;
@@ -95,7 +95,7 @@ pub enum FileError {
     /// Not proved complete: see [`KdTree::check_complete`].
     #[error(transparent)]
     Incomplete(#[from] CompletenessError),
-    /// The operating system refused: see the source.
+    /// The operating system could not read or write: its own error says why.
     #[error(transparent)]
     Io(#[from] std::io::Error),
     /// What was wrong with a file, and which file.

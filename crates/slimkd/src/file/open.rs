@@ -1,4 +1,4 @@
-//! A `.skd` file as it lies in memory, mapped or read: ready at once, proved by nobody, safe all the same.
+//! A `.skd` file as it lies in memory, mapped or read. It is traced without being proved first, so every access is checked.
 
 use super::bytes::Section;
 use super::sections::{DENSE, INDICES_2BYTE, INDICES_4BYTE, NODES};
@@ -18,15 +18,42 @@ use crate::tree::KdTree;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// Deepest tree that is traced unproved: the stack is made for what the file says. Real ones end below 100.
+/// The deepest tree that is traced unproved. The stack is allocated for the depth that the file states, so that must have a bound;
+/// trees of real scenes are less than 100 deep.
 const DEEPEST: u32 = 1 << 16;
 
 /// A saved tree over bytes that someone else owns: a `Vec`, a slice, or a memory map (`memmap2::Mmap`). Nothing is copied.
 ///
 /// Opening checks the header, the section table and the small sections, whatever the file's size. All else may still be
-/// damaged or forged, so every access is checked. Where the bytes are no tree, a query answers wrongly, mostly with a miss, and
-/// [`OpenTree::check`] then says so; it never panics, reads elsewhere or goes on for ever. [`OpenTree::verify`] proves the whole and
-/// makes the [`KdTree`] that traces faster, in batches too.
+/// damaged or forged, so every access is checked. Where a query meets bytes that no tree holds, its answer is wrong, mostly a miss, and
+/// [`OpenTree::check`] then returns an error; a query never panics, reads outside the bytes or runs for ever. [`OpenTree::verify`]
+/// proves the whole file and makes a [`KdTree`], which traces faster. An open tree traces batches ray by ray, on as many threads
+/// as [`Batch::threads`](crate::Batch::threads) says.
+///
+/// Queries are in the trait [`Tracer`]. The file holds no attributes: keep them beside it, and find the vertices of a hit by
+/// [`OpenTree::triangle`].
+///
+/// ```
+/// use slimkd::{BuildOptions, KdTree, OpenTree, Ray, Tracer, TriangleMesh};
+/// let mesh = TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
+/// let path = std::env::temp_dir().join(format!("slimkd-open-{}.skd", std::process::id()));
+/// KdTree::build(mesh, &BuildOptions::default())?.save(&path)?;
+///
+/// // With the crate `memmap2`, these bytes are `unsafe { memmap2::Mmap::map(&std::fs::File::open(&path)?)? }`.
+/// let tree = OpenTree::open(std::fs::read(&path)?)?;
+/// let ray = Ray::new([0.25, 0.5, 1.0], [0.0, 0.0, -1.0]);
+/// let hit = tree.closest(&ray).expect("the ray points at the triangle");
+/// let normal = tree.refine(&ray, hit.triangle).expect("the ray crosses the triangle's plane").normal;
+/// assert_eq!(normal, [0.0, 0.0, 1.0]);
+///
+/// let heat = [[10.0], [20.0], [30.0]]; // of each vertex
+/// let vertices = tree.triangle(hit.triangle).expect("a hit names a triangle");
+/// assert_eq!(hit.interpolate(vertices.map(|vertex| heat[vertex as usize])), [22.5]);
+/// # std::fs::remove_file(&path)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// The same hits as from the tree that was saved, and a proof when there is time for it:
 ///
 /// ```
 /// use slimkd::{BuildOptions, KdTree, OpenTree, Ray, Tracer, TriangleMesh};
@@ -42,13 +69,13 @@ const DEEPEST: u32 = 1 << 16;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// A memory map shares its file with everybody: where another process cuts the file short while it is mapped, reading what is gone
-/// ends this process by a signal (SIGBUS). Replace saved trees, as [`KdTree::save`] does, and never write into them.
+/// A memory map shares its file with every other process: where one of them cuts the file short while it is mapped, reading the lost
+/// part ends this process by a signal (SIGBUS). Replace saved trees, as [`KdTree::save`] does, and never write into them.
 #[derive(Debug)]
 pub struct OpenTree<B> {
     bytes: B,
     tree: Sections,
-    /// Whether any query met what no tree holds.
+    /// Whether any query met bytes that no tree holds.
     broken: AtomicBool,
 }
 
@@ -70,7 +97,8 @@ enum Layout {
 }
 
 impl<B: AsRef<[u8]>> OpenTree<B> {
-    /// Opens what [`KdTree::write`] wrote, in time that does not depend on its size.
+    /// Opens what [`KdTree::write`] or [`KdTree::save`] wrote, in time that does not depend on its size. The mesh must be in the file: one
+    /// that was written without it is read by [`KdTree::read_with_mesh`].
     ///
     /// # Errors
     /// [`FileError::NotATree`], [`FileError::Version`], [`FileError::UnknownSection`], [`FileError::MeshMissing`], and
@@ -129,7 +157,7 @@ impl<B: AsRef<[u8]>> OpenTree<B> {
         Ok(Self { bytes, tree, broken: AtomicBool::new(false) })
     }
 
-    /// Proves everything, as [`KdTree::read`] does, and copies it into memory of its own.
+    /// Proves everything, as [`KdTree::read`] does. The tree that it returns is a copy and does not need these bytes.
     ///
     /// # Errors
     /// Those of [`KdTree::read`].
@@ -153,8 +181,8 @@ impl<B: AsRef<[u8]>> OpenTree<B> {
         &self.tree.options
     }
 
-    /// An error once any query met something that no tree holds. From then on answers may be wrong, mostly misses: ask this after
-    /// a batch, and build the tree again from its scene if it says so.
+    /// Returns an error once any query met bytes that no tree holds; answers may have been wrong since then, mostly misses. Call this
+    /// after a batch, and build the tree again from its scene when it returns an error.
     ///
     /// # Errors
     /// [`FileError::Damaged`].
@@ -162,12 +190,12 @@ impl<B: AsRef<[u8]>> OpenTree<B> {
         if self.broken.load(Relaxed) { damaged("a query met what no tree holds") } else { Ok(()) }
     }
 
-    /// The number of triangles of its mesh.
+    /// The number of triangles of the mesh in the file.
     pub fn triangle_count(&self) -> usize {
         self.tree.triangles.len() / 12
     }
 
-    /// Vertex indices of a triangle, for attributes that are kept beside the tree; `None` where no triangle has this id.
+    /// The vertex indices of a triangle, for attributes that are kept beside the tree; `None` where no triangle has this id.
     pub fn triangle(&self, id: u32) -> Option<[u32; 3]> {
         self.opened().mesh().indices(id)
     }
@@ -176,13 +204,13 @@ impl<B: AsRef<[u8]>> OpenTree<B> {
         Opened { all: self.bytes.as_ref(), tree: &self.tree, broken: &self.broken }
     }
 
-    /// The owner of the bytes.
+    /// Gives back the owner of the bytes.
     pub fn into_inner(self) -> B {
         self.bytes
     }
 }
 
-/// An [`OpenTree`] whose bytes are looked at: not generic, so that its walks are compiled once.
+/// An [`OpenTree`] with its bytes as a slice. It is not generic, so that its walks are compiled once.
 struct Opened<'a> {
     all: &'a [u8],
     tree: &'a Sections,
@@ -306,7 +334,7 @@ impl<B: AsRef<[u8]> + Send + Sync> Tracer for OpenTree<B> {
     }
 }
 
-/// A section that is never long, once its checksum is right.
+/// The bytes of a section that is at most `limit` long; its checksum is checked.
 fn small(all: &[u8], entry: &Entry, limit: usize) -> Result<Vec<u8>, FileError> {
     let mut from = all.get(entry.offset as usize..).unwrap_or_default();
     let mut position = entry.offset;

@@ -21,7 +21,8 @@ impl KdTree {
         replace(path, |file| self.write(file)).map_err(|error| error.at(path))
     }
 
-    /// [`KdTree::save`] without the mesh.
+    /// Saves the tree without its mesh; [`KdTree::load_with_mesh`] reads it. Whatever happens meanwhile, `path` holds the old file or the
+    /// new one.
     ///
     /// # Errors
     /// [`FileError::At`] with the path: the old file is as it was.
@@ -30,7 +31,7 @@ impl KdTree {
         replace(path, |file| self.write_without_mesh(file)).map_err(|error| error.at(path))
     }
 
-    /// Reads and proves a saved tree.
+    /// Reads and proves a tree that was saved with its mesh.
     ///
     /// # Errors
     /// [`FileError::At`] with the path, around an error of [`KdTree::read`].
@@ -39,7 +40,7 @@ impl KdTree {
         open(path).and_then(Self::read).map_err(|error| error.at(path))
     }
 
-    /// Reads and proves a saved tree over a mesh that is already there.
+    /// Reads and proves a saved tree over a mesh that the caller has, whether or not the file holds it too.
     ///
     /// # Errors
     /// [`FileError::At`] with the path, around an error of [`KdTree::read_with_mesh`].
@@ -61,7 +62,7 @@ struct Draft(PathBuf);
 
 impl Drop for Draft {
     fn drop(&mut self) {
-        // Already renamed, or nothing that could be done about it.
+        // An error means that the file was renamed, or that it cannot be removed: nothing is left to do either way.
         let _ = fs::remove_file(&self.0);
     }
 }

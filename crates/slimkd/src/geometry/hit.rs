@@ -2,6 +2,9 @@
 
 /// A ray-triangle intersection.
 ///
+/// Its normal, and `t` and the point in f64, come from [`Tracer::refine`](crate::Tracer::refine); values of attributes at the hit from
+/// [`Hit::interpolate`].
+///
 /// ```
 /// use slimkd::{BuildOptions, KdTree, Ray, Tracer, TriangleMesh};
 /// let mesh = TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]])?;
@@ -16,17 +19,21 @@
 pub struct Hit {
     /// Distance along the ray in units of its direction, rounded once from f64.
     pub t: f32,
-    /// Barycentric weight of vertex 1.
+    /// The barycentric weight of the triangle's vertex 1; vertex 0 has the weight `1 − u − v`.
     pub u: f32,
-    /// Barycentric weight of vertex 2.
+    /// The barycentric weight of the triangle's vertex 2.
     pub v: f32,
-    /// The triangle's position in the input.
+    /// The triangle's id: its position in the mesh.
     pub triangle: u32,
 }
 
 impl Hit {
-    /// The value at the hit of an attribute that is given at the triangle's three vertices: a normal, a colour, a texture coordinate.
-    /// An interpolated normal is not of unit length.
+    /// The value at the hit of an attribute that is given at the triangle's three vertices, in the triangle's order: a normal, a
+    /// colour, a texture coordinate. An interpolated normal is not of unit length.
+    ///
+    /// The vertices of the triangle come from [`TriangleMesh::triangles`](crate::TriangleMesh::triangles), or from
+    /// [`OpenTree::triangle`](crate::OpenTree::triangle) where there is no mesh. Scenes of the crate `slimkd-scene` give the three
+    /// values by `Attribute::corners`.
     ///
     /// ```
     /// use slimkd::{BuildOptions, KdTree, Ray, Tracer, TriangleMesh};
@@ -43,8 +50,8 @@ impl Hit {
         std::array::from_fn(|k| w * a[k] + self.u * b[k] + self.v * c[k])
     }
 
-    /// The point of the hit, scene units, from the triangle's corners in f64. It lies within the rounding of `u` and `v` of the
-    /// ray; [`Tracer::refine`](crate::Tracer::refine) is more exact.
+    /// The point of the hit in scene units, computed in f64 from the triangle's corners and the f32 weights `u` and `v`. Because these
+    /// are rounded, it may lie a little beside the ray; the point of [`Tracer::refine`](crate::Tracer::refine) is more exact.
     pub fn point(&self, corners: &[[f32; 3]; 3]) -> [f64; 3] {
         let [a, b, c] = corners.map(|corner| corner.map(f64::from));
         let (u, v) = (f64::from(self.u), f64::from(self.v));

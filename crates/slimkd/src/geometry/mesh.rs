@@ -8,7 +8,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 /// Vertices and triangles, in the order of the input. A triangle's position in [`TriangleMesh::triangles`] is its
-/// public id. Not finite positions and collinear triangles are allowed: such triangles never hit.
+/// public id. Positions that are not finite and collinear triangles are allowed: such triangles are never hit.
 #[derive(Clone)]
 pub struct TriangleMesh {
     vertices: Buffer<[f32; 3]>,
@@ -45,13 +45,17 @@ impl TriangleMesh {
     /// assert_eq!(mesh.memory_bytes(), 3 * 12 + 12);
     /// # Ok::<(), slimkd::MeshError>(())
     /// ```
+    ///
+    /// # Errors
+    /// [`MeshError::IndexOutOfRange`] when a triangle names a vertex that is not there, and [`MeshError::TooLarge`] when there are
+    /// 2³² − 1 vertices or triangles, or more.
     pub fn new(vertices: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         Self::check(&vertices, &triangles)?;
         Ok(Self { vertices: vertices.into(), triangles: triangles.into() })
     }
 
-    /// Collects vertices of any kind: glam's and nalgebra's points, mint's, tuples of your own. This copies; a `Vec` of arrays goes to
-    /// [`TriangleMesh::new`] without.
+    /// Collects vertices and triangles of any type that turns into arrays: points of glam, nalgebra and mint, or your own. This copies
+    /// them; [`TriangleMesh::new`] takes a `Vec` of arrays without a copy.
     ///
     /// ```
     /// use slimkd::TriangleMesh;
@@ -76,8 +80,8 @@ impl TriangleMesh {
         Self::new(vertices, triangles.into_iter().map(Into::into).collect())
     }
 
-    /// A mesh over memory that somebody else owns: arrays of another language, a mapped file, buffers that other code reads too. Nothing
-    /// is copied; the owners are kept until the mesh and every tree over it are gone.
+    /// A mesh over memory that someone else owns: arrays of another language, a mapped file, buffers that other code reads too. Nothing
+    /// is copied. The owners are dropped when the mesh and every tree over it are gone.
     ///
     /// ```
     /// use slimkd::TriangleMesh;
@@ -115,12 +119,13 @@ impl TriangleMesh {
         Ok(())
     }
 
-    /// Positions, scene units.
+    /// The positions of the vertices, in scene units.
     pub fn vertices(&self) -> &[[f32; 3]] {
         self.vertices.as_slice()
     }
 
-    /// Vertex indices of each triangle; the position in this slice is the public id.
+    /// The three vertex indices of each triangle. A triangle's position in this slice is its public id, so
+    /// `mesh.triangles()[hit.triangle as usize]` are the vertices of a hit triangle.
     pub fn triangles(&self) -> &[[u32; 3]] {
         self.triangles.as_slice()
     }
@@ -154,7 +159,7 @@ impl TriangleMesh {
         let mut keep: Vec<u32> = Vec::new();
         keep.try_reserve_exact(self.len()).ok()?;
         let mut bounds = Aabb::EMPTY;
-        // So many at a time, so that little is held twice.
+        // A million triangles at a time: the ids are held twice only for those, once in pieces and once in `keep`.
         for first in (0..self.len()).step_by(1 << 20) {
             let ids = first as u32..self.len().min(first + (1 << 20)) as u32;
             let pieces = threads::map(ids.clone().step_by(1 << 14), |first| {

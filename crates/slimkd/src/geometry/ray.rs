@@ -1,9 +1,10 @@
-//! Rays as users state them.
+//! Rays as users give them.
 
 /// A ray `origin + t · direction` for t in `[t_min, t_max]`.
 ///
 /// `t` counts in units of `direction`, which may have any length but 0. A ray with a NaN, an infinite origin or
-/// direction, a zero direction, or `t_min > t_max` is invalid and misses everything. A hit whose t is too large for f32 is none.
+/// direction, a zero direction, or `t_min > t_max` is invalid and misses everything. A triangle that the ray meets at a `t` too large
+/// for f32 is not hit.
 ///
 /// ```
 /// let ray = slimkd::Ray::new([0.0, 0.0, -5.0], [0.0, 0.0, 2.0]).with_range(0.0, 10.0);
@@ -13,13 +14,13 @@
 #[repr(C)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ray {
-    /// Where the ray starts, scene units.
+    /// Where the ray starts, in scene units.
     pub origin: [f32; 3],
-    /// Smallest t that counts as a hit (inclusive). May be negative.
+    /// The smallest `t` that counts as a hit (inclusive), in units of the direction. It may be negative.
     pub t_min: f32,
-    /// Where it goes; any length but 0.
+    /// Where the ray goes; any length but 0.
     pub direction: [f32; 3],
-    /// Largest t that counts as a hit (inclusive). May be `+inf`.
+    /// The largest `t` that counts as a hit (inclusive), in units of the direction. It may be infinite.
     pub t_max: f32,
 }
 

@@ -1,7 +1,7 @@
 //! A hit in f64: t, u, v, point and normal, from the triangle's own corners.
 //!
-//! Determinants in double-double arithmetic (Dekker 1971; Hida, Li & Bailey 2001): about 2⁻¹⁰⁰ of the sum of their
-//! terms' sizes, so cancellation eats into f64 only where a triangle is seen at an angle below 10⁻¹⁴.
+//! Determinants are computed in double-double arithmetic (Dekker 1971; Hida, Li & Bailey 2001). Their error is about 2⁻¹⁰⁰ of the sum
+//! of their terms' sizes, so cancellation costs digits of the f64 result only where a triangle is seen at an angle below 10⁻¹⁴.
 
 use super::Ray;
 use std::ops::{Add, Mul, Sub};
@@ -11,18 +11,19 @@ use std::ops::{Add, Mul, Sub};
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RefinedHit {
-    /// Distance along the ray in units of its direction.
+    /// The distance along the ray in units of its direction.
     pub t: f64,
-    /// Barycentric weight of vertex 1; may leave [0, 1] by the rounding of the test that found the hit.
+    /// The barycentric weight of vertex 1. It may lie outside [0, 1] by the rounding of the test that found the hit.
     pub u: f64,
-    /// Barycentric weight of vertex 2; the same holds.
+    /// The barycentric weight of vertex 2. It may lie outside [0, 1] by the rounding of the test that found the hit.
     pub v: f64,
-    /// The point on the triangle, scene units: its corners by their weights, so it lies in the triangle's plane but for the
-    /// rounding of f64.
+    /// The point on the triangle in scene units, computed from its corners and their weights. It lies in the triangle's plane up to
+    /// the rounding of f64.
     pub point: [f64; 3],
-    /// The triangle's unit normal, `(b − a) × (c − a)` for its corners a, b, c in the mesh's order; whichever side the ray meets.
+    /// The triangle's unit normal: the direction of `(b − a) × (c − a)` for its corners a, b, c in the mesh's order. It does not turn
+    /// towards the ray; see `front`.
     pub normal: [f64; 3],
-    /// Whether the ray meets the side from which the corners run counter-clockwise: it goes against the normal.
+    /// Whether the ray meets the side from which the corners run counter-clockwise, so that it goes against the normal.
     pub front: bool,
 }
 

@@ -1,14 +1,15 @@
-//! What the stream kernel sees of a tree: a node a lane.
+//! The interface by which the stream kernel reads a tree: one node in each lane.
 //!
-//! Inner nodes are read in vector operations, the same bits as [`Nodes`] reads; so each layout decodes them twice, side by
-//! side, and the kernels' tests compare both. Leaves differ too much in length: in lanes they took a quarter of a ray.
+//! Inner nodes are read by vector operations and give the same bits as [`Nodes`] does. So each layout has two decoders of inner nodes,
+//! and the kernels' tests compare them. Leaves are read one at a time: their lengths differ so much that reading them in lanes took a
+//! quarter of a ray's time.
 
 use super::nodes::{Address, MOST_IDS, Nodes, SPILL};
 use crate::simd::Simd;
 
-/// The nodes at each lane's address. Each field is meaningful only in the lanes that its own doc names; other lanes hold anything.
+/// The nodes at the lanes' addresses. A field has a meaning only in the lanes that its own doc names; other lanes hold any value.
 pub(crate) struct LaneStep<S: Simd> {
-    /// Where the node is a leaf.
+    /// The lanes whose node is a leaf.
     pub(crate) leaf: S::M,
     /// Set for every leaf that holds a triangle, and perhaps for others; mask it with `leaf`.
     pub(crate) filled: S::M,
@@ -30,7 +31,7 @@ pub(crate) unsafe trait LaneNodes: Nodes {
     /// Whether inner nodes may have T-references.
     const T_REFERENCES: bool;
 
-    /// Whether the arrays are neither too short nor too long for what the lanes read. All else here needs it.
+    /// Whether the arrays are neither too short nor too long for the vector reads. Every other function here requires this.
     fn fit_lanes(self) -> bool;
 
     /// Reads the nodes at the first 16 addresses.
@@ -39,10 +40,10 @@ pub(crate) unsafe trait LaneNodes: Nodes {
     /// [`LaneNodes::fit_lanes`] must hold, and in every lane a node of this tree must stand at the address.
     unsafe fn fetch<S: Simd>(self, s: S, addresses: &[u32]) -> (S::U, S::U);
 
-    /// What was read at an address says.
+    /// Decodes the nodes at `address` from the words that [`LaneNodes::fetch`] read there.
     fn decode<S: Simd>(self, s: S, address: S::U, words: (S::U, S::U)) -> LaneStep<S>;
 
-    /// T-references of inner nodes: which have one, and its triangle there; 0 elsewhere.
+    /// The T-references of inner nodes: which lanes have one, and its triangle in these lanes; 0 in the others.
     ///
     /// # Safety
     /// [`LaneNodes::fit_lanes`] must hold, and in the lanes of `inner`, `words` must be what [`LaneNodes::fetch`] read of an inner node.

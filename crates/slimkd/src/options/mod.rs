@@ -1,4 +1,4 @@
-//! Everything that shapes a tree, and the named points of that space.
+//! All options of a build, the presets, and the errors of a build.
 
 mod error;
 mod hoisting;
@@ -21,7 +21,7 @@ pub struct SahConstants {
     pub traversal: f32,
     /// Cost of one ray-triangle test, K_I.
     pub intersection: f32,
-    /// Factor on the cost of a split with an empty side: 1 is no bonus, smaller favours cutting off empty space.
+    /// The factor on the cost of a split with an empty side: 1 is no bonus, a smaller factor favours cutting off empty space.
     pub empty_bonus: f32,
 }
 
@@ -37,12 +37,12 @@ impl SahConstants {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Clipping {
-    /// By what each child's voxel really holds of it ("perfect splits", Wald & Havran 2006).
+    /// By the bounds of the part that lies in each child's voxel ("perfect splits", Wald & Havran 2006).
     Exact,
-    /// Exactly in nodes of at least that many triangles, by its box below. The slides leave open what the paper did;
-    /// 10,000 comes nearest to its Kitchen rows.
+    /// As [`Clipping::Exact`] in nodes of at least this many triangles, as [`Clipping::Box`] in smaller ones. The paper's slides do
+    /// not say which it uses; 10,000 comes nearest to their rows for the Kitchen.
     ExactFrom(u32),
-    /// By its box, cut to the voxel.
+    /// By the triangle's bounding box, cut to the child's voxel.
     Box,
 }
 
@@ -64,10 +64,10 @@ impl Clipping {
 pub enum Layout {
     /// 8-byte nodes, 4 bytes a reference.
     FourByte = 0,
-    /// 8-byte nodes, 2 bytes a reference in leaves whose ids share their upper 16 bits (the paper's).
+    /// 8-byte nodes, 2 bytes a reference in leaves whose ids share their upper 16 bits, as in the paper; 4 bytes in other leaves.
     TwoByte = 1,
-    /// 4-byte nodes with planes on a grid, and byte-coded leaves. Holds no T-references and no scene whose extent is beyond
-    /// 8·10^37: these are written as [`Layout::TwoByte`].
+    /// 4-byte nodes with planes on a grid, and byte-coded leaves. This layout cannot hold T-references, nor a scene whose extent is
+    /// beyond 8·10^37: such trees are written as [`Layout::TwoByte`].
     Dense = 2,
 }
 
@@ -82,14 +82,14 @@ pub enum Layout {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum TreeBudget {
-    /// For the whole tree.
+    /// Bytes of the whole tree.
     Bytes(u64),
-    /// Bytes a triangle of the mesh, degenerate ones included, and 64 for the whole: above 0.
+    /// Bytes for each triangle of the mesh, degenerate ones included, and 64 bytes on top. It must be finite and above 0.
     BytesPerTriangle(f32),
 }
 
 impl TreeBudget {
-    /// For a mesh of that many triangles.
+    /// The bytes that the tree over a mesh of this many triangles may take.
     pub(crate) fn bytes(self, triangles: usize) -> u64 {
         match self {
             Self::Bytes(bytes) => bytes,
@@ -98,7 +98,7 @@ impl TreeBudget {
     }
 }
 
-/// All knobs of a build. Start from a [`Preset`], then set what is to be otherwise.
+/// All options of a build. Start from a [`Preset`], then change single options by the setters or by the fields.
 ///
 /// ```
 /// use slimkd::{BuildOptions, Preset, TreeBudget};
@@ -109,11 +109,11 @@ impl TreeBudget {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct BuildOptions {
-    /// The preset that these options started from; a label, it changes nothing.
+    /// The preset that these options started from. It is only a label: changing it changes no other option.
     pub preset: Preset,
     /// Constants of the surface area heuristic.
     pub sah: SahConstants,
-    /// A node of at most that many triangles becomes a leaf without further ado.
+    /// A node of at most this many triangles becomes a leaf, whatever the SAH says.
     pub leaf_at_most: u32,
     /// How straddling triangles are bounded.
     pub clipping: Clipping,
@@ -121,17 +121,20 @@ pub struct BuildOptions {
     pub layout: Layout,
     /// The paper's T-references; `None` keeps every triangle in the leaves.
     pub hoisting: Option<Hoisting>,
-    /// Whether subtrees that SAH finds no cheaper than a leaf become one.
+    /// Whether a subtree becomes a leaf where the leaf's cost is no higher. Its cost is the SAH cost, and at a
+    /// [`BuildOptions::byte_weight`] above 0 its bytes too.
     pub collapse: bool,
-    /// How much bytes count beside rays when [`BuildOptions::collapse`] decides, 0 and up: at weight ℓ, halving the tree
-    /// may raise its SAH cost by ℓ/2 of the whole. 0 (default): rays alone.
+    /// How much bytes count beside rays where [`BuildOptions::collapse`] is set; 0 or more. At weight ℓ, a change that halves the tree
+    /// is accepted when it raises the tree's SAH cost by at most the fraction ℓ/2. At 0, only rays count.
     pub byte_weight: f32,
-    /// The most that the tree may take; `None` sets no bound. Where the tree at [`BuildOptions::byte_weight`] is larger,
-    /// the weight is raised until it fits: the fastest tree of that size, from one build. The tree's own options then
-    /// hold that weight.
+    /// The most bytes that the tree may take; `None` sets no bound. Where the tree at [`BuildOptions::byte_weight`] is larger,
+    /// the weight is raised until the tree fits: one build finds about the fastest tree of that size. [`KdTree::options`] of the
+    /// finished tree then holds the raised weight.
+    ///
+    /// [`KdTree::options`]: crate::KdTree::options
     pub max_tree: Option<TreeBudget>,
-    /// The most that a build may hold at a time, bytes above the mesh: what would take more ends with
-    /// [`BuildError::BuildTooLarge`] before the memory is taken. `None` sets no bound. The account leaves out some MB of buffers.
+    /// The most bytes that a build may hold at a time, without the mesh; `None` sets no bound. A build that needs more ends with
+    /// [`BuildError::BuildTooLarge`] before it takes the memory. Some MB of buffers are not counted.
     pub max_build_bytes: Option<u64>,
     /// Threads to build with; `None` uses the current rayon pool. The tree is the same at any count.
     pub threads: Option<NonZeroUsize>,

@@ -1,4 +1,4 @@
-//! The named points of the space of options.
+//! The presets: named sets of options, with their constants.
 
 use super::names::UnknownName;
 use super::{BuildOptions, Clipping, Hoisting, Layout, SahConstants, TreeBudget};
@@ -16,10 +16,10 @@ pub enum Preset {
     PaperFast,
     /// The paper's tree at (0.5, 0.4).
     PaperSmall,
-    /// Ours: as small as it gets at the speed of [`Preset::Standard`].
+    /// Ours: as small as a tree can be at about the speed of [`Preset::Standard`]; at most 10 bytes a triangle.
     #[default]
     Slim,
-    /// Ours: smaller still, for a few per cent of speed.
+    /// Ours: smaller than [`Preset::Slim`] at nearly its speed; at most 7 bytes a triangle.
     Tiny,
 }
 

@@ -1,12 +1,12 @@
-//! Subtrees that do not pay for themselves become leaves.
+//! Collapsing: a subtree becomes a leaf where the leaf costs no more.
 //!
-//! Sources: Wald & Havran 2006 §3.2 name the greedy termination's weakness; Mitsuba's "retraction" (`gkdtree.h`) undoes
+//! Sources: Wald & Havran 2006 §3.2 describe the weakness of greedy termination; Mitsuba's "retraction" (`gkdtree.h`) undoes
 //! splits whose subtree turned out no cheaper than a leaf.
 //!
 //! Deviations
-//! 1. Decided bottom-up over the finished tree: a subtree becomes one leaf of its distinct triangles, T-references
-//!    included, when that is no dearer.
-//! 2. A subtree costs rays and bytes: `J = SAH cost + λ · bytes`, λ = [`BuildOptions::byte_weight`] · (SAH cost of the
+//! 1. This is decided from the leaves up, over a finished tree or subtree: a subtree becomes one leaf of its distinct triangles,
+//!    T-references included, when that costs no more.
+//! 2. The cost of a subtree counts rays and bytes: `J = SAH cost + λ · bytes`, λ = [`BuildOptions::byte_weight`] · (SAH cost of the
 //!    whole tree / its bytes). At weight 0 only rays count. At weight ℓ, a tree of half the bytes may cost ℓ/2 more.
 //!
 //! [`BuildOptions::byte_weight`]: crate::BuildOptions::byte_weight
@@ -31,13 +31,14 @@ impl UnitBytes {
             Layout::FourByte => Self { node: 8.0, reference: 4.0 },
             // Nearly all leaves of the scenes that fit use the 2-byte mode.
             Layout::TwoByte => Self { node: 8.0, reference: 2.0 },
-            // Between 4 for an inner node and 3 for a leaf; 0.5 to 1.5 a reference on ten scenes.
+            // An inner node takes 4 bytes and a leaf's head about 3; references took 0.5 to 1.5 bytes each on ten scenes.
             Layout::Dense => Self { node: 3.5, reference: 1.0 },
         }
     }
 }
 
-/// What a node costs: by its voxel's area relative to the root's for rays, and flat for bytes.
+/// What a node costs. Its cost for rays is in proportion to its voxel's area relative to the root's (`area` below); its cost for
+/// bytes is the same wherever it is.
 #[derive(Clone, Copy)]
 struct Prices {
     traversal: f64,
@@ -56,7 +57,7 @@ impl Prices {
         }
     }
 
-    /// An inner node by itself, with its T-references.
+    /// An inner node by itself, with its T-references. Each of these takes as many bytes as two references in leaves.
     fn inner(&self, area: f64, t_references: usize) -> f64 {
         let t_reference = self.intersection * area + 2.0 * self.reference;
         self.traversal * area + self.node + t_reference * t_references as f64
@@ -71,13 +72,14 @@ impl Prices {
     }
 }
 
-/// Cost of a subtree, and its distinct triangles unless they are too many to matter.
+/// What a node above must know of a subtree.
 struct Summary {
     cost: f64,
+    /// Its distinct triangles, ascending; `None` where they are too many for any node above to collapse.
     ids: Option<Vec<u32>>,
 }
 
-/// Collapses a whole tree wherever that is no dearer; `byte_weight` is ℓ.
+/// Collapses a whole tree wherever that costs no more; `byte_weight` is ℓ.
 pub(crate) fn collapse(plan: Plan, voxel: Aabb, byte_weight: f32, job: &Job<'_>) -> Result<Plan, BuildError> {
     let work = Work::new(plan, &voxel, job)?;
     let cost_of_a_byte = match work.plan.price {
@@ -100,7 +102,7 @@ pub(crate) fn collapse_subtree(
     collapse_work(Work::within(plan, voxel, price.root_area, job)?, price.lambda(), job)
 }
 
-/// What a tree takes.
+/// The cost and the bytes of a tree or subtree.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Totals {
     /// SAH cost times the voxel's area relative to the root's.
@@ -118,7 +120,7 @@ impl Totals {
         Ok(Self { cost: subtree_costs(work, &rays_alone, job)?[0], bytes })
     }
 
-    /// Those of a subtree in `voxel`, of a tree whose root's voxel has `root_area`.
+    /// The totals of a subtree in `voxel`, of a tree whose root's voxel has the surface area `root_area`. Returns the plan as well.
     pub(crate) fn of_subtree(
         plan: Plan,
         voxel: &Aabb,
@@ -130,14 +132,16 @@ impl Totals {
     }
 }
 
-/// Collapses from the leaves up wherever that is no dearer; `lambda` is λ.
+/// Collapses from the leaves up wherever that costs no more; `lambda` is λ.
 fn collapse_work(mut work: Work, lambda: f64, job: &Job<'_>) -> Result<Plan, BuildError> {
     let prices = Prices::new(&job.options.sah, UnitBytes::of(job.options.layout), lambda);
     let limits = distinct_limits(&work, &prices, job)?;
 
-    // From the back: a node's right subtree lies on the stack below its left one.
+    // Nodes are taken in reverse preorder, so both children come before their parent. The left child comes last: its summary is on top
+    // of the stack, and the right child's is below it. T-references are sorted by node and are taken from the back too.
     let mut summaries: Vec<Summary> = Vec::new();
     let mut hoisted = work.plan.hoisted.len();
+    // T-references of nodes that stay inner nodes, in reverse order.
     let mut kept = Vec::new();
     for at in (0..work.plan.nodes.len()).rev() {
         job.check_at(at)?;
@@ -150,6 +154,7 @@ fn collapse_work(mut work: Work, lambda: f64, job: &Job<'_>) -> Result<Plan, Bui
             PlanNode::Inner { .. } => {
                 let (left, right) = (summaries.pop(), summaries.pop());
                 let (left, right) = left.zip(right).expect("a plan is a binary tree");
+                // 1. The distinct triangles below: both children's, and this node's T-references.
                 let both = left.ids.zip(right.ids);
                 let mut ids = both.map(|(left, right)| merge(&left, &right)).transpose()?;
                 let above = hoisted;
@@ -157,12 +162,13 @@ fn collapse_work(mut work: Work, lambda: f64, job: &Job<'_>) -> Result<Plan, Bui
                     hoisted -= 1;
                     ids = ids.map(|ids| merge(&ids, &[work.plan.hoisted[hoisted].1])).transpose()?;
                 }
+                // 2. What the subtree costs as it is, against one leaf of these triangles.
                 let mut cost = prices.inner(area, above - hoisted) + left.cost + right.cost;
                 ids = ids.filter(|ids| ids.len() <= limits[at] as usize);
                 match &ids {
                     Some(distinct) if prices.leaf(area, distinct.len()) <= cost => {
                         cost = prices.leaf(area, distinct.len());
-                        // T-references below were the last to be kept: they are in the leaf now.
+                        // T-references below this node were the last ones kept; they are part of the leaf now.
                         while kept.last().is_some_and(|&(node, _)| node < work.ends[at]) {
                             kept.pop();
                         }
@@ -179,7 +185,7 @@ fn collapse_work(mut work: Work, lambda: f64, job: &Job<'_>) -> Result<Plan, Bui
     work.into_plan(job)
 }
 
-/// Cost of every node's subtree as it stands.
+/// The cost of every node's subtree as it is, before any collapse.
 fn subtree_costs(work: &Work, prices: &Prices, job: &Job<'_>) -> Result<Vec<f64>, BuildError> {
     let nodes = &work.plan.nodes;
     let mut costs = filled(0.0f64, nodes.len())?;
@@ -201,15 +207,15 @@ fn subtree_costs(work: &Work, prices: &Prices, job: &Job<'_>) -> Result<Vec<f64>
     Ok(costs)
 }
 
-/// How many distinct triangles a subtree may hold so that it or any node above it may still collapse: a leaf in place
-/// of a node costs at least `per_triangle · distinct`, and must not cost more than the node does now.
+/// The most distinct triangles that each subtree may hold so that it, or any node above it, can still collapse. A leaf in place of a
+/// node costs at least `per_triangle · distinct`, and must not cost more than the node's subtree does now.
 fn distinct_limits(work: &Work, prices: &Prices, job: &Job<'_>) -> Result<Vec<u32>, BuildError> {
     let costs = subtree_costs(work, prices, job)?;
     let mut limits = filled(0u32, costs.len())?;
     for at in 0..costs.len() {
         job.check_at(at)?;
-        // Rounding must not rule out a collapse: one triangle of margin. A voxel without area limits nothing: NaN and
-        // infinity become "no limit".
+        // One triangle is added, so that rounding cannot rule out a collapse. Where the voxel has no area, the quotient may be NaN or
+        // infinite, and there is no limit.
         let own = costs[at] / prices.per_triangle(work.areas[at].into()) + 1.0;
         let own = if own < f64::from(u32::MAX) { own as u32 } else { u32::MAX };
         limits[at] = limits[at].max(own);

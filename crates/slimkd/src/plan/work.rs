@@ -1,4 +1,4 @@
-//! A plan that can be cut: nodes in preorder with the end of each subtree, so that a subtree is a range.
+//! A plan whose subtrees can be replaced by leaves. Nodes lie in preorder, and the end of each subtree is known, so a subtree is a range.
 
 use super::{Plan, PlanNode};
 use crate::geometry::Aabb;
@@ -9,7 +9,7 @@ use crate::options::BuildError;
 /// A plan under reduction. Nodes and references that were cut off stay in the arrays until [`Work::into_plan`].
 pub(crate) struct Work {
     pub(crate) plan: Plan,
-    /// Index behind each node's subtree.
+    /// For each node, the position behind the last node of its subtree.
     pub(crate) ends: Vec<u32>,
     /// Surface area of each node's voxel relative to the root's.
     pub(crate) areas: Vec<f32>,
@@ -20,8 +20,9 @@ impl Work {
         Self::within(plan, root, root.surface_area(), job)
     }
 
-    /// A subtree of a tree whose root's voxel has that surface area.
+    /// For the plan of a subtree: `root` is its voxel, and `area` the surface area of the whole tree's voxel.
     pub(crate) fn within(plan: Plan, root: &Aabb, area: f64, job: &Job<'_>) -> Result<Self, BuildError> {
+        // 1. Ends, from the back: an inner node ends where its right child ends.
         let nodes = &plan.nodes;
         let mut ends = filled(0u32, nodes.len())?;
         for at in (0..nodes.len()).rev() {
@@ -31,6 +32,7 @@ impl Work {
                 PlanNode::Leaf { .. } => at as u32 + 1,
             };
         }
+        // 2. Areas, from the front: the voxels of nodes still to come wait on a stack, the next node's on top.
         let scale = if area > 0.0 { 1.0 / area } else { 0.0 };
         let mut areas = filled(0.0, nodes.len())?;
         let mut voxels = vec![*root];
@@ -51,7 +53,7 @@ impl Work {
         &self.plan.references[first as usize..(first + count) as usize]
     }
 
-    /// Leaves under `at` as (node, first, count), in order; what was cut off is passed over.
+    /// The leaves under `at` as (node, first, count), in order. Nodes that were cut off, behind a leaf that replaced them, are skipped.
     pub(crate) fn leaves(&self, at: usize) -> impl Iterator<Item = (usize, u32, u32)> + '_ {
         let end = self.ends[at] as usize;
         let mut next = at;
@@ -70,7 +72,7 @@ impl Work {
         })
     }
 
-    /// Distinct triangles in the leaves under `at`, ascending.
+    /// The distinct triangles in the leaves under `at`, ascending. T-references are not among them.
     pub(crate) fn distinct(&self, at: usize) -> Vec<u32> {
         let mut ids = Vec::new();
         for (_, first, count) in self.leaves(at) {
@@ -90,13 +92,15 @@ impl Work {
         Ok(())
     }
 
-    /// Drops what was cut off. T-references of nodes that are leaves now must not exist.
+    /// Drops the nodes and references that were cut off. No T-reference may belong to a node that is a leaf now.
     pub(crate) fn into_plan(self, job: &Job<'_>) -> Result<Plan, BuildError> {
         self.joined(Vec::new(), job)
     }
 
-    /// [`Work::into_plan`] with `parts` in place of subtrees that were reduced on their own, ascending by their roots.
+    /// Does what [`Work::into_plan`] does, and puts `parts` in place of the subtrees that were reduced on their own. The parts must be
+    /// ascending by their roots.
     pub(crate) fn joined(self, parts: Vec<Part>, job: &Job<'_>) -> Result<Plan, BuildError> {
+        // 1. Allocate for the references that stay. Nodes are compacted in place, as they only move forward.
         let Self { plan, ends, areas } = self;
         drop(areas);
         let Plan { mut nodes, references: old, hoisted: old_hoisted, price, .. } = plan;
@@ -105,22 +109,25 @@ impl Work {
         let mut references = with_room(kept)?;
         let mut hoisted = with_room(old_hoisted.len() + in_parts(|plan| plan.hoisted.len()))?;
         let (mut parts, mut old_hoisted) = (parts.into_iter().peekable(), old_hoisted.iter().peekable());
-        // Parents whose right child is still to come, innermost last.
+        // Inner nodes whose right child is still to come, innermost last: the new place of the node, and the old place of that child.
         let mut open: Vec<(usize, u32)> = Vec::new();
-        // Nodes only move forward: they are compacted in place.
+        // The old and the new place of the next node.
         let (mut at, mut here) = (0, 0);
         while at < nodes.len() {
             job.check_at(here)?;
+            // 2. Tell the nodes whose right child this is where it is now.
             while let Some((parent, _)) = open.pop_if(|&mut (_, right)| right as usize == at) {
                 if let PlanNode::Inner { right, .. } = &mut nodes[parent] {
                     *right = here as u32;
                 }
             }
+            // 3. Move the node's T-references; those of nodes that were cut off are dropped.
             while let Some(&(node, triangle)) = old_hoisted.next_if(|&&(node, _)| node as usize <= at) {
                 if node as usize == at {
                     hoisted.push((here as u32, triangle));
                 }
             }
+            // 4. Copy a part as a whole, where one begins here.
             let moved = references.len() as u32;
             if let Some(Part { root, count, plan }) = parts.next_if(|part| part.root == at) {
                 for i in 0..count {
@@ -131,6 +138,7 @@ impl Work {
                 (at, here) = (ends[at] as usize, here + count);
                 continue;
             }
+            // 5. Or move a single node; behind a leaf, what it replaced is skipped.
             let node = nodes[at];
             match node {
                 PlanNode::Inner { right, .. } => {
@@ -152,15 +160,15 @@ impl Work {
     }
 }
 
-/// A subtree that was reduced on its own. Its first `count` nodes, which point into `plan`, stand from `root` on in the whole.
+/// A subtree that was reduced on its own. Its `count` nodes already lie in the whole plan's array, from `root` on.
 pub(crate) struct Part {
     pub(crate) root: usize,
     pub(crate) count: usize,
-    /// Without nodes.
+    /// The references and T-references that these nodes point to, counted from the part's own start. It holds no nodes.
     pub(crate) plan: Plan,
 }
 
-/// References in the leaves that were not cut off, but for those of the parts.
+/// The number of references in leaves that were not cut off, without those of the parts.
 fn kept_references(nodes: &[PlanNode], ends: &[u32], parts: &[Part]) -> usize {
     let (mut at, mut total) = (0, 0);
     let mut parts = parts.iter().peekable();

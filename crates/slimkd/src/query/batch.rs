@@ -8,9 +8,9 @@ use crate::traverse::{Conditions, NearestPoint, RayConditions};
 use std::convert::Infallible;
 use std::ops::Range;
 
-/// Rays that are gathered from columns, or scattered to them, at once: 32 KB of rays.
+/// How many rays are gathered from columns, or hits scattered to them, at a time: 32 KB of rays.
 const GATHERED: usize = 1024;
-/// Rays that one thread takes at a time, at least and at most; a multiple of the 64 rays that are traced together.
+/// The least and the most rays that one thread takes at a time; multiples of the 64 rays that are traced together.
 const RAYS_A_PIECE: Range<usize> = 4096..65_536;
 
 /// A question about many rays or points, with options: make it by [`Tracer::batch`], set options, then call a verb.
@@ -62,7 +62,8 @@ impl<'a> Batch<'a> {
         self
     }
 
-    /// Leaves out one triangle for each ray, `u32::MAX` for none: for rays that start on a triangle. Nothing else becomes slower.
+    /// Leaves out one triangle for each ray: the one that the ray starts on. `triangles` has one id for each ray of the batch, in the
+    /// batch's order; `u32::MAX` leaves out none. Batches with it are as fast as without.
     ///
     /// ```
     /// use slimkd::{BuildOptions, KdTree, Ray, Tracer, TriangleMesh};
@@ -79,30 +80,36 @@ impl<'a> Batch<'a> {
         self
     }
 
-    /// Counts only hits that `accept` says yes to. It is given the ray's position in the batch, and it is asked as
-    /// [`Query::filter`](crate::Query::filter) says, perhaps by several threads at once.
+    /// Counts only hits for which `accept` returns `true`. Its first argument is the ray's position in the batch. Several threads may
+    /// call it at once; for the order and the number of its calls, see [`Query::filter`](crate::Query::filter).
+    ///
+    /// Where each ray must leave out more than one triangle, this replaces [`Batch::except`]: coherent batches are slower with it, as
+    /// they are traced like others then.
     pub fn filter(mut self, accept: &'a (dyn Fn(usize, &Hit) -> bool + Sync)) -> Self {
         self.conditions.filter = Some(accept);
         self
     }
 
-    /// Traces on so many threads; 1 (the default) is the calling thread alone, 0 is all threads of the current rayon pool. Without
-    /// the feature `rayon`, and where no threads can be started, the calling thread does it all.
+    /// Traces on `count` threads: 1 (the default) is the calling thread alone, 0 is all threads of the current rayon pool. With any
+    /// other number, each call of a verb starts a pool of its own, so 0 suits many small batches better. A batch of at most 4096
+    /// rays is never divided. Without the feature `rayon`, and where no threads can be started, the calling thread does all the
+    /// work.
     pub fn threads(mut self, count: usize) -> Self {
         self.threads = count;
         self
     }
 
-    /// Traces by that instruction set instead of [`InstructionSet::best`]. One that this processor lacks becomes the best one below.
+    /// Traces by this instruction set instead of [`InstructionSet::best`]. Where the processor lacks it, the next lower one that the
+    /// processor has is taken.
     pub fn instruction_set(mut self, set: InstructionSet) -> Self {
         self.instruction_set = set.or_below();
         self
     }
 
-    /// [`Tracer::closest`] of each ray.
+    /// [`Tracer::closest`] of each ray: writes the hit of ray `i` to place `i` of `hits`.
     ///
     /// # Panics
-    /// When there is not one place for a hit, and where it was given one excluded triangle, for each ray.
+    /// When `hits`, or the slice given to [`Batch::except`], is not as long as `rays`.
     pub fn closest<'r, 'h>(&self, rays: impl Into<Rays<'r>>, hits: impl Into<Hits<'h>>) {
         let (rays, mut rest) = (rays.into(), hits.into());
         self.check(rays.len(), rest.len());
@@ -115,10 +122,10 @@ impl<'a> Batch<'a> {
         self.spread(pieces, |(range, hits)| self.closest_piece(rays, range, hits));
     }
 
-    /// [`Tracer::any`] of each ray.
+    /// [`Tracer::any`] of each ray: `hits[i]` becomes `true` where ray `i` hits anything.
     ///
     /// # Panics
-    /// When there is not one place for an answer, and where it was given one excluded triangle, for each ray.
+    /// When `hits`, or the slice given to [`Batch::except`], is not as long as `rays`.
     pub fn any<'r>(&self, rays: impl Into<Rays<'r>>, hits: &mut [bool]) {
         let rays = rays.into();
         self.check(rays.len(), hits.len());
@@ -127,10 +134,10 @@ impl<'a> Batch<'a> {
         });
     }
 
-    /// [`Tracer::count`] of each ray.
+    /// [`Tracer::count`] of each ray: `counts[i]` becomes the number of triangles that ray `i` hits. Each ray is traced alone.
     ///
     /// # Panics
-    /// When there is not one place for a number, and where it was given one excluded triangle, for each ray.
+    /// When `counts`, or the slice given to [`Batch::except`], is not as long as `rays`.
     pub fn count<'r>(&self, rays: impl Into<Rays<'r>>, counts: &mut [u32]) {
         let rays = rays.into();
         self.check(rays.len(), counts.len());
@@ -143,10 +150,10 @@ impl<'a> Batch<'a> {
         });
     }
 
-    /// [`Tracer::all`] of each ray, ray after ray.
+    /// [`Tracer::all`] of each ray, ray after ray. Each ray is traced alone.
     ///
     /// # Panics
-    /// When it was given excluded triangles, but not one for each ray.
+    /// When the slice given to [`Batch::except`] is not as long as `rays`.
     pub fn all<'r>(&self, rays: impl Into<Rays<'r>>) -> BatchHits {
         let rays = rays.into();
         self.check(rays.len(), rays.len());
@@ -170,10 +177,10 @@ impl<'a> Batch<'a> {
         whole
     }
 
-    /// [`Tracer::nearest`] of each point.
+    /// [`Tracer::nearest`] of each point: `found[i]` becomes the answer for `points[i]`. Each point is searched for alone.
     ///
     /// # Panics
-    /// When there is not one place for an answer, and where it was given one excluded triangle, for each point.
+    /// When `found`, or the slice given to [`Batch::except`], is not as long as `points`.
     pub fn nearest(&self, points: &[[f32; 3]], max_distance: f32, found: &mut [Option<NearestPoint>]) {
         self.check(points.len(), found.len());
         self.spread(self.with_pieces(found), |(range, found)| {
@@ -194,7 +201,7 @@ impl<'a> Batch<'a> {
         );
     }
 
-    /// All hits of the ray at a place of the batch.
+    /// Writes all hits of the ray at position `at` of the batch over what `hits` held.
     fn first(&self, rays: Rays<'_>, at: usize, hits: &mut Vec<Hit>) {
         let ray = match rays {
             Rays::Slice(rays) => rays[at],
@@ -252,7 +259,8 @@ impl<'a> Batch<'a> {
         BatchJob { rays, conditions, coherent: self.coherent, instruction_set: self.instruction_set }
     }
 
-    /// The parts of a batch that threads take one after the other.
+    /// Cuts a batch into the ranges of rays that threads take one after the other: about eight for each thread, so that none waits
+    /// long for the last one.
     fn pieces(&self, rays: usize) -> impl Iterator<Item = Range<usize>> + use<> {
         let threads = if self.threads == 0 { threads::count() } else { self.threads };
         let piece = match threads {
@@ -262,7 +270,7 @@ impl<'a> Batch<'a> {
         (0..rays).step_by(piece).map(move |first| first..rays.min(first + piece))
     }
 
-    /// The parts of a batch, each with its part of the answers.
+    /// The ranges of [`Batch::pieces`], each with its part of the answers.
     fn with_pieces<'h, A>(&self, mut answers: &'h mut [A]) -> Vec<(Range<usize>, &'h mut [A])> {
         let mut pieces = Vec::new();
         for range in self.pieces(answers.len()) {

@@ -5,7 +5,7 @@ use crate::geometry::{Aabb, Hit, Ray, TriangleMesh};
 use crate::layout::Planes;
 use crate::traverse::{Conditions, NearestPoint, PreparedRay, Search, Sink};
 
-/// Answers queries without a tree, in O(triangles). What it says is what every tree must say, to the last bit.
+/// Answers queries without a tree, in O(triangles). Every tree must give the answers that this gives, to the last bit.
 ///
 /// ```
 /// use slimkd::{BruteForce, BuildOptions, KdTree, Ray, Tracer, TriangleMesh};
@@ -23,7 +23,7 @@ pub struct BruteForce<'a> {
 }
 
 impl<'a> BruteForce<'a> {
-    /// Sorts out the triangles that can never hit.
+    /// Collects the triangles of `mesh` that can be hit.
     pub fn new(mesh: &'a TriangleMesh) -> Self {
         let (triangles, bounds) = mesh.valid_triangles();
         Self { mesh, triangles, bounds }

@@ -6,7 +6,7 @@ use crate::geometry::{Hit, Ray};
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub enum Rays<'a> {
-    /// One structure after the other. This is the fastest form: kernels read it in place.
+    /// A slice of rays. This is the fastest form: kernels read it in place.
     Slice(&'a [Ray]),
     /// A slice for each field.
     Columns(RayColumns<'a>),
@@ -106,7 +106,7 @@ impl<'a> RayColumns<'a> {
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Hits<'a> {
-    /// One hit after the other. This is the fastest form.
+    /// A slice of hits. This is the fastest form.
     Slice(&'a mut [Option<Hit>]),
     /// A slice for each field.
     Columns(HitColumns<'a>),
@@ -126,7 +126,7 @@ impl Hits<'_> {
         self.len() == 0
     }
 
-    /// The first `at` and the others.
+    /// The first `at` places, and the places behind them.
     pub(super) fn split_at(self, at: usize) -> (Self, Self) {
         match self {
             Self::Slice(hits) => {

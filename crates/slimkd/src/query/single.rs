@@ -27,15 +27,15 @@ impl<'a> Query<'a> {
         Self { tracer, conditions: Conditions::none() }
     }
 
-    /// Leaves out one triangle: for rays that start on it. Unlike a `t_min` above 0, this loses no other hit, however near. A
-    /// neighbour that shares the starting point is still hit, at `t` near 0.
+    /// Leaves out one triangle: the one that the ray starts on. Unlike a `t_min` above 0, this loses no other hit, however near. A
+    /// neighbouring triangle that shares the starting point is still hit, at `t` near 0.
     pub fn except(mut self, triangle: u32) -> Self {
         self.conditions.except = triangle;
         self
     }
 
-    /// Counts only hits that `accept` says yes to. It is asked about hits within the ray's range, in no particular order, perhaps
-    /// twice about the same one, and perhaps never about hits behind the nearest accepted one. For [`Query::nearest`] it is given
+    /// Counts only hits for which `accept` returns `true`. It is called for hits within the ray's range, in no particular order; it may
+    /// be called twice for one hit, and not at all for hits behind the nearest accepted one. For [`Query::nearest`] its argument is
     /// the candidate as a hit whose `t` is the distance.
     pub fn filter(mut self, accept: &'a mut dyn FnMut(&Hit) -> bool) -> Self {
         self.conditions.filter = Some(accept);

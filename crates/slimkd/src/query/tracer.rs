@@ -67,8 +67,9 @@ pub trait Tracer: Send + Sync {
         self.nearest_with(point, max_distance, Conditions::none())
     }
 
-    /// A hit in f64: `t`, `u`, `v`, the point, the normal and the side, computed from the triangle's own corners. `None` where
-    /// `triangle` does not exist, where the ray runs within its plane, or where numbers leave the range of f64.
+    /// A hit in f64: `t`, `u`, `v`, the point, the unit normal and the side, computed from the triangle's own corners. Call it with the
+    /// [`Hit::triangle`] that another verb found for this ray; it does not ask whether the ray meets the triangle or only its plane.
+    /// `None` where `triangle` does not exist, where the ray runs within its plane, or where numbers leave the range of f64.
     fn refine(&self, ray: &Ray, triangle: u32) -> Option<RefinedHit> {
         RefinedHit::new(ray, &self.corners(triangle)?)
     }

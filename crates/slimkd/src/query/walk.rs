@@ -71,8 +71,8 @@ pub(crate) trait Walk: Send + Sync {
     }
 }
 
-/// Makes a [`Walk`] a [`Tracer`]. A macro and not an implementation for all of them: so each tree's walks are compiled once, in this
-/// crate, and not again in every crate that asks.
+/// Makes a [`Walk`] a [`Tracer`](super::Tracer). This is a macro and not a blanket implementation, so that each tree's walks are
+/// compiled once, in this crate, and not again in every crate that calls them.
 macro_rules! tracer {
     ($type:ty) => {
         impl $crate::query::Tracer for $type {

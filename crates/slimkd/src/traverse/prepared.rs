@@ -1,4 +1,4 @@
-//! What a ray carries through a traversal, and why no hit is lost at a split plane.
+//! What is computed of a ray before its walk, and the proof that no hit is lost at a split plane.
 //!
 //! Sources: Ize, *Robust BVH Ray Traversal*, JCGT 2(2), 2013, for the idea of widening; Havran 2001 §4 for ordering
 //! children by the sign of the direction.
@@ -9,26 +9,28 @@
 //!    `5·2⁻²⁴·M` of its triangle (sheared f32 corners, f64 weights), `t` is rounded once more (`2⁻²⁴·M`), and `t₀`
 //!    is off by at most `4·2⁻²⁴·M`, with M the largest distance per axis from the origin to the scene's bounds.
 //!    The sum stays below `slack = 2⁻¹⁹·M`, so the leaf that holds the triangle at that point is always visited:
-//!    closest hits cannot depend on the tree. Planes on a grid (`tree/dense`) add their cell to the slack, and the
-//!    origin's way into grid coordinates `5·2⁻²⁴·M` to t₀'s error: 15 of the 32 are used then.
-//!    Below, *width* is `(slack + cell)·|1/d|`, which only 15/32 of are needed.
+//!    closest hits cannot depend on the tree. Planes on a grid (`layout/dense`) add their cell to the slack, and
+//!    the conversion of the origin to grid coordinates adds `5·2⁻²⁴·M` to the error of t₀. The errors then sum to
+//!    `15·2⁻²⁴·M`, and the slack is `32·2⁻²⁴·M`.
+//!    Below, *width* is `(slack + cell)·|1/d|`; the proof needs only 15/32 of it.
 //! 2. `1/d` is bounded: an axis-parallel ray moves less than `slack` along a replaced component, so there is no
 //!    infinity and no 0·∞, and a ray inside a split plane visits both children.
 //! 3. Intervals are kept in units of the direction scaled by a power of two to a length near 1, so that directions
 //!    of 10⁻³⁰ or 10³⁰ neither overflow nor underflow. Hits report t in the user's units.
-//! 4. What f32 cannot hold makes slabs wider, never narrower, and an infinite slab visits both children: whatever `t₀`
-//!    is then, infinite and NaN too, `exit < t₀ − ∞` and `t₀ + ∞ < enter` are false.
+//! 4. Overflow and underflow of f32 make slabs wider, never narrower. Where a width is infinite, the ray visits both children:
+//!    whatever `t₀` is then, infinite or NaN too, `exit < t₀ − ∞` and `t₀ + ∞ < enter` are false.
 //!    - *Overflow of a factor.* Widths are counted in the units of the planes: `(4M·scale)·(slack/4M) + cell`, times the
-//!      same `|1/d|·unscale` that t₀ is multiplied by. So where that factor is infinite, its width is; and where the
-//!      origin in plane units is infinite, `4M·scale` is, which is at least twice as large.
-//!    - *Overflow of t₀ alone.* Its width is below 2¹²⁸, so what matters of the slab begins above 2¹²⁸·(1 − 15/32) > 2¹²⁷.
+//!      same `|1/d|·unscale` that t₀ is multiplied by. So where that factor is infinite, the width is infinite as well; and where
+//!      the origin in plane units is infinite, so is `4M·scale`, which is at least twice as large.
+//!    - *Overflow of t₀ alone.* The width is below 2¹²⁸, so the needed part of the slab begins above 2¹²⁸·(1 − 15/32) > 2¹²⁷.
 //!      With M ≤ 2¹²⁶ the interval ends at M·(1 + 2⁻¹⁷) at most, as the longest component is 1 at least: the far child is
 //!      rightly left out. With a larger M, `4M` is infinite. So is the slack of a direction below the normal numbers,
 //!      whose longest component does not reach 1. The same holds for the bounds.
 //!    - *Underflow.* Products off by 2⁻¹⁵⁰ instead of a part of 2⁻²⁴, in the triangle test or here, stay far below the
 //!      least slack, [`LEAST`]. A t among the subnormal numbers is off by 2⁻¹⁵⁰ as well, which is `scale·2⁻¹⁵⁰` in scaled
 //!      units: the second part of that least slack is 2⁷ times this.
-//!    - t itself must be finite to count: a range ends at ±[`f32::MAX`], so that equal ones are equal.
+//!    - *Range.* A `t` must be finite to count as a hit: the ray's range is cut to ±[`f32::MAX`], so that no two different t
+//!      become equal by being infinite.
 
 use super::counters::count;
 use super::sink::Sink;
@@ -41,31 +43,32 @@ const SLACK: f32 = 1.0 / (1 << 19) as f32;
 /// [`SLACK`] relative to 4M instead of M.
 pub(super) const QUARTER_SLACK: f32 = SLACK / 4.0;
 
-/// The least 4M, which leaves the least slack a normal number; times the ray's scale where [`LEAST_SCALED`] of that is more.
+/// The least value of 4M, so that the least slack is a normal number. For rays of a large scale it is multiplied by
+/// `scale · LEAST_SCALED` where that is above 1.
 pub(super) const LEAST: f32 = f32::MIN_POSITIVE / QUARTER_SLACK;
 
-/// What [`LEAST`] is worth for a ray of scale 1: a slack of 2⁻¹⁴², of which the longest axis keeps half.
+/// The part of [`LEAST`] that a ray of scale 1 needs against underflow of t: a slack of 2⁻¹⁴², of which the longest axis keeps half.
 pub(super) const LEAST_SCALED: f32 = 1.0 / (1 << 16) as f32;
 
 /// Smallest direction component relative to the largest: below it, a ray is parallel to the plane.
 pub(super) const PARALLEL: f32 = 1.0 / (1u64 << 60) as f32;
 
-/// A ray with everything precomputed that traversal and triangle tests use.
+/// A ray with all values that the walk and the triangle tests use, computed in advance.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PreparedRay {
     pub(crate) shear: Shear,
     /// The origin in the tree's plane coordinates.
     pub(crate) plane_origin: [f32; 3],
-    /// Scaled units per plane unit along each axis.
+    /// The ray's distance in scaled units for each plane unit along an axis.
     pub(crate) inverse: [f32; 3],
-    /// Half-widths of split planes along the ray, scaled units.
+    /// Half the widths of slabs along the ray, in scaled units, for each axis: the *width* of the module head.
     pub(crate) slack: [f32; 3],
     /// All ones where the ray descends on that axis, so that the right child is the near one; else 0.
     pub(crate) descends: [u32; 3],
-    /// Interval inside the bounds, scaled units.
+    /// The ray's interval inside the scene's bounds, in scaled units.
     pub(crate) enter: f32,
     pub(crate) exit: f32,
-    /// The user's interval, finite.
+    /// The user's `t_min` and `t_max`, cut to finite numbers.
     pub(crate) t_min: f32,
     pub(crate) t_max: f32,
     /// Scaled t per user t, a power of two.
@@ -79,9 +82,11 @@ impl PreparedRay {
         if !ray.is_valid() || bounds.is_empty() {
             return None;
         }
+        // 1. Scale the direction to a length near 1 (deviation 3).
         let shear = Shear::new(ray.origin, ray.direction);
         let longest = ray.direction[shear.axes[2]].abs();
         let scale = power_of_two_below(longest);
+        // 2. `reach` becomes 4M, from which the slack follows (deviations 1 and 4).
         let mut reach = 0.0f32;
         for k in 0..3 {
             reach =
@@ -93,6 +98,7 @@ impl PreparedRay {
             LEAST * larger(scale * LEAST_SCALED, 1.0)
         };
         let reach = 4.0 * reach + least;
+        // 3. For each axis: the reciprocal (deviation 2), the width of slabs, and the interval inside the scene's bounds.
         let (mut inverse, mut widths, mut descends) = ([0.0; 3], [0.0; 3], [0; 3]);
         let (t_min, t_max) = (larger(ray.t_min, f32::MIN), smaller(ray.t_max, f32::MAX));
         let (mut enter, mut exit) = (t_min * scale, t_max * scale);
@@ -128,8 +134,8 @@ impl PreparedRay {
 }
 
 impl PreparedRay {
-    /// Tests one triangle and offers what lies in the ray's interval. `true` ends the traversal. `Z` must be the ray's
-    /// longest axis.
+    /// Tests one triangle, and offers a hit within `t_min` and `t_max` to `sink`. `true` ends the walk. `Z` must be the ray's longest
+    /// axis.
     #[inline(always)]
     pub(crate) fn offer<const Z: usize>(
         &self,
@@ -144,7 +150,7 @@ impl PreparedRay {
         self.hand_over(self.shear.intersect_by_lanes::<Z>(corners), triangle, sink)
     }
 
-    /// Offers what lies in the ray's interval. `true` ends the traversal.
+    /// Offers an intersection within `t_min` and `t_max` to `sink`. `true` ends the walk.
     #[inline(always)]
     pub(crate) fn hand_over(&self, found: Option<Intersection>, triangle: u32, sink: &mut impl Sink) -> bool {
         match found {
@@ -154,13 +160,13 @@ impl PreparedRay {
     }
 }
 
-/// `a` when it is the larger, else `b`; so a NaN in `a` is passed over. One instruction, unlike `f32::max`.
+/// `a` when it is the larger, else `b`; so where `a` is NaN, this is `b`. It is one instruction, unlike `f32::max`.
 #[inline(always)]
 pub(crate) fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// `a` when it is the smaller, else `b`.
+/// `a` when it is the smaller, else `b`; so where `a` is NaN, this is `b`.
 #[inline(always)]
 pub(crate) fn smaller(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }

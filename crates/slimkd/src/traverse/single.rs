@@ -5,14 +5,15 @@
 //! Deviations
 //! 1. Split planes are slabs, see `prepared.rs`; so the intervals of both children overlap a little, and a popped
 //!    child is skipped only when the best hit lies strictly before its interval.
-//! 2. T-references (Choi et al. 2013): tested as soon as their node is visited, over the ray's whole interval. Such a
+//! 2. T-references (Choi et al. 2013) are tested as soon as their node is visited, over the ray's whole interval. Such a
 //!    hit is never rejected for lying outside the voxel.
-//! 3. The stack's size comes from the built depth: on the machine's stack up to [`SMALL_DEPTH`], on the heap beyond.
-//! 4. Whether a far child is kept is a branch where rays go side by side, and else a number added to the stack's top: a
-//!    branch is cheap where the last ray foretells it and dear where not, the sum always costs a wait at the next pop.
-//!    Bounce rays gain 7 to 15 %, camera rays in tiles lose up to 14 %; docs/kernels.md has the figures.
+//! 3. The stack's size comes from the tree's depth: it lies on the machine's stack up to [`SMALL_DEPTH`], on the heap beyond.
+//! 4. Whether a far child stays on the stack is decided by a branch for coherent rays (`Sink::COHERENT`), and for all others by adding
+//!    0 or 1 to the top of the stack. The processor predicts the branch well where a ray goes as the last one did, and badly where
+//!    not; the addition needs no prediction, but the next pop must wait for it. Compared with the branch, the addition makes bounce rays
+//!    7 to 15 % faster and camera rays in tiles up to 14 % slower; docs/kernels.md has the figures.
 //!
-//! docs/kernels.md lists what was tried and left.
+//! docs/kernels.md lists what else was tried and not kept.
 
 use super::counters::count;
 use super::prepared::{PreparedRay, larger, smaller};
@@ -20,10 +21,10 @@ use super::sink::Sink;
 use crate::layout::{Address, Ids, Nodes, Step};
 use std::mem::MaybeUninit;
 
-/// Deepest tree whose far children fit the stack in the frame; scenes measured so far end at depth 30 to 60.
+/// The deepest tree whose far children fit the stack on the machine's stack. The scenes measured so far are 30 to 60 deep.
 const SMALL_DEPTH: usize = 64;
 
-/// A far child to come back to.
+/// A far child to come back to, and the ray's interval in it.
 #[derive(Clone, Copy)]
 struct Far {
     node: Address,
@@ -41,6 +42,7 @@ pub(crate) fn traverse(nodes: impl Nodes, depth: u32, ray: &PreparedRay, sink: &
     }
 }
 
+/// [`traverse`] for rays whose longest axis is `Z`, a constant so that the triangle test needs no lookup of axes.
 #[inline(always)]
 fn along<const Z: usize>(nodes: impl Nodes, depth: u32, ray: &PreparedRay, sink: &mut impl Sink) {
     if depth as usize <= SMALL_DEPTH {
@@ -50,8 +52,8 @@ fn along<const Z: usize>(nodes: impl Nodes, depth: u32, ray: &PreparedRay, sink:
     }
 }
 
-/// `stack` has room for one more than the depth: the far child is written whether or not it is kept, so that this is no branch, and
-/// kept only where `top` advances.
+/// The walk itself. A far child that may not be needed is written above the top of `stack` all the same, and is kept only where `top`
+/// advances (deviation 4); so `stack` has room for one more entry than the tree is deep.
 #[inline(always)]
 fn walk<const Z: usize, S: Sink>(
     nodes: impl Nodes,
@@ -65,7 +67,7 @@ fn walk<const Z: usize, S: Sink>(
     let (mut enter, mut exit) = (ray.enter, ray.exit);
     count(|c| (c.rays, c.walks) = (c.rays + 1, c.walks + 1));
     loop {
-        // Down to the nearest leaf; far children that the ray meets too wait on the stack.
+        // 1. Go down to the nearest leaf. Far children that the ray meets as well wait on the stack.
         let mut leaf = loop {
             sink.visit();
             count(|c| {
@@ -76,6 +78,7 @@ fn walk<const Z: usize, S: Sink>(
                 Step::Inner(inner) => inner,
                 Step::Leaf(leaf) => break leaf,
             };
+            // A T-reference is tested at once; a nearer hit shortens the interval.
             if let Some(triangle) = inner.t_reference
                 && !sink.knows(triangle)
             {
@@ -99,12 +102,13 @@ fn walk<const Z: usize, S: Sink>(
             } else {
                 let Some(place) = stack.get_mut(top) else { return nodes.too_deep() };
                 place.write(Far { node: far, enter: larger(first, enter), exit });
-                // Where only the near child is met, `exit` lies before `last` and stays.
+                // Where only the near child is met, `exit` is less than `last`, so `smaller` below leaves it as it is.
                 top += usize::from(S::COHERENT || !near_only);
                 at = near;
                 exit = smaller(last, exit);
             }
         };
+        // 2. Test the leaf's triangles.
         loop {
             // SAFETY: the leaf comes from this tree.
             let ids = unsafe { nodes.take(&mut leaf, &mut buffer) };
@@ -122,7 +126,7 @@ fn walk<const Z: usize, S: Sink>(
                 }
             }
         }
-        // Back to the nearest far child that may hold something nearer than the best hit.
+        // 3. Go back to the nearest far child that may hold something nearer than the best hit.
         let limit = sink.limit() * ray.scale;
         loop {
             if top == 0 {

@@ -1,4 +1,4 @@
-//! The tree itself: what it holds, and what it says of itself.
+//! The tree that users hold: its fields, how it is built, and what it reports about itself.
 
 use super::statistics::TreeStatistics;
 use super::{MemoryReport, pipeline, walk};
@@ -36,6 +36,7 @@ pub struct KdTree {
     pub(crate) encoded: Encoded,
     /// Depth of the deepest leaf; sizes the traversal stack.
     pub(crate) depth: u32,
+    /// The number of degenerate triangles in the mesh.
     pub(crate) degenerate: u64,
 }
 
@@ -43,9 +44,13 @@ impl KdTree {
     /// Builds a tree. Pass a mesh, or an `Arc` of one to keep sharing it. An empty mesh builds, and every ray misses it.
     ///
     /// # Errors
-    /// [`BuildError::TooLarge`] when a layout's field cannot address the tree, [`BuildError::InvalidOption`] for
-    /// constants that are not positive and finite, [`BuildError::OutOfMemory`], and [`BuildError::BuildTooLarge`] where
-    /// [`BuildOptions::max_build_bytes`] does not suffice.
+    /// - [`BuildError::InvalidOption`] for constants that are not positive and finite, [`BuildError::InvalidThreshold`] for thresholds
+    ///   of [`BuildOptions::hoisting`] that are not between 0 and 1.
+    /// - [`BuildError::TooLarge`] when the layout cannot address the tree, [`BuildError::TreeTooLarge`] when no tree fits
+    ///   [`BuildOptions::max_tree`].
+    /// - [`BuildError::BuildTooLarge`] when the build needs more than [`BuildOptions::max_build_bytes`],
+    ///   [`BuildError::OutOfMemory`] when the machine has no memory left.
+    /// - [`BuildError::Threads`] when the threads of [`BuildOptions::threads`] cannot be started.
     pub fn build(mesh: impl Into<Arc<TriangleMesh>>, options: &BuildOptions) -> Result<Self, BuildError> {
         Self::build_with_progress(mesh, options, &Progress::new())
     }
@@ -53,8 +58,8 @@ impl KdTree {
     /// Builds a tree as [`KdTree::build`] does, and reports to `progress`, which another thread can watch and cancel.
     ///
     /// # Errors
-    /// Those of [`KdTree::build`], and [`BuildError::Cancelled`] soon after [`Progress::cancel`]: 36 ms at most where it was
-    /// measured, on 7.4 million triangles.
+    /// Those of [`KdTree::build`], and [`BuildError::Cancelled`] soon after [`Progress::cancel`]: within 36 ms in measurements on
+    /// 7.4 million triangles.
     pub fn build_with_progress(
         mesh: impl Into<Arc<TriangleMesh>>,
         options: &BuildOptions,
@@ -68,43 +73,43 @@ impl KdTree {
         &self.mesh
     }
 
-    /// The options that it was built with. `threads`, `max_tree` and `max_build_bytes` are always `None`: they leave no trace in the
-    /// tree but its `byte_weight`.
+    /// The options that it was built with. `threads`, `max_tree` and `max_build_bytes` are always `None`, as a tree does not depend on
+    /// them except through `byte_weight`, which holds the weight that `max_tree` led to.
     pub fn options(&self) -> &BuildOptions {
         &self.options
     }
 
-    /// Its size, exact to the byte.
+    /// The tree's size, exact to the byte.
     pub fn memory(&self) -> MemoryReport {
         MemoryReport::of(self)
     }
 
-    /// Its shape in numbers. This walks the whole tree: O(nodes + references).
+    /// The tree's shape in numbers. This walks the whole tree: O(nodes + references).
     pub fn statistics(&self) -> TreeStatistics {
         walk::statistics(self)
     }
 
-    /// How often each triangle of the mesh is referred to, by leaves and by T-references; 0 for degenerate ones.
+    /// The number of references to each triangle of the mesh, in leaves and as T-references; 0 for degenerate triangles.
     pub fn references_per_triangle(&self) -> Vec<u32> {
         let mut counts = vec![0; self.mesh.len()];
         walk::for_each_reference(self, |id| counts[id as usize] += 1);
         counts
     }
 
-    /// The closest hit, and the nodes and triangles that it took to find it, whatever the machine. This is slower than
-    /// [`Tracer::closest`](crate::Tracer::closest) and gives the same hit. An invalid ray costs nothing.
+    /// The closest hit, with the numbers of nodes and triangles that were visited to find it; these are the same on every machine.
+    /// This is slower than [`Tracer::closest`](crate::Tracer::closest) and gives the same hit. An invalid ray visits nothing.
     pub fn cost(&self, ray: &Ray) -> (Option<Hit>, RayCost) {
         let mut sink = Costed::new(ray.t_max);
         self.walk(ray, &mut sink);
         sink.into_parts()
     }
 
-    /// The tree's bytes, for kernels elsewhere.
+    /// The tree's bytes, for kernels outside this crate, on a GPU for example.
     pub fn encoded(&self) -> EncodedTree<'_> {
         self.encoded.as_tree()
     }
 
-    /// Depth of the deepest leaf; the root has depth 0.
+    /// The depth of the deepest leaf; the root has depth 0.
     pub fn depth(&self) -> u32 {
         self.depth
     }

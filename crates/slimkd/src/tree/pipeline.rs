@@ -10,12 +10,12 @@ use crate::reduce::{fit, hoist, prune};
 use crate::threads;
 use std::sync::Arc;
 
-/// Triangles from which on one more thread pays: measured on three built-in scenes of 2,500 to 64,000 triangles, where two
-/// threads are as fast as one up to 4,000, and 1.4 to 1.7 times as fast from 8,000 on.
+/// One more thread is used for each so many triangles. Measured on three built-in scenes of 2,500 to 64,000 triangles: two
+/// threads are as fast as one up to 4,000 triangles, and 1.4 to 1.7 times as fast from 8,000 on.
 const TRIANGLES_A_THREAD: usize = 2048;
-/// Passes over a tree's nodes that move the progress, about: of pruning, for one weight or some; and of encoding with the walk
-/// behind it.
+/// About how often pruning passes over all nodes of the plan, whether it tries one weight or several. The progress moves by this.
 const LOOPS_OF_PRUNING: usize = 8;
+/// About how often encoding, and the walk that measures the depth, pass over all nodes of the plan. The progress moves by this.
 const LOOPS_OF_ENCODING: usize = 3;
 
 /// Builds a tree on as many threads as its options say.
@@ -41,7 +41,7 @@ fn build_here(
     options: &BuildOptions,
     progress: &Progress,
 ) -> Result<KdTree, BuildError> {
-    // 1. Triangles that can never be hit stay outside.
+    // 1. Collect the triangles that can be hit, and their bounds. Degenerate ones are not given to the builder.
     let job = Job::new(&mesh, options, progress);
     let pace = Pace::of(options, mesh.len(), threads::count());
     progress.begin(pace.scan);
@@ -56,7 +56,8 @@ fn build_here(
     let plan = builder.build(&triangles, &pace)?;
     drop(triangles);
 
-    // 3. Reduce it: T-references, then subtrees that do not pay for themselves.
+    // 3. Reduce the plan: make T-references, then turn subtrees into leaves where that is worth it. With a budget, `fit` also finds
+    //    the byte weight at which the tree keeps to it; the tree's own options state that weight.
     progress.begin(pace.hoist);
     let plan = hoist(plan, bounds, &builder, pace.hoist)?;
     drop(builder);
@@ -73,7 +74,7 @@ fn build_here(
         None => plan,
     };
 
-    // 4. Encode it.
+    // 4. Encode the plan as bytes, and measure the depth, which sizes the traversal's stack.
     job.memory.take(plan.bytes())?; // no layout takes more
     progress.begin_loops(pace.encode, LOOPS_OF_ENCODING * plan.nodes.len());
     let encoded = layout::encode(&plan, &bounds, &job)?;

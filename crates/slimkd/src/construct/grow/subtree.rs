@@ -3,10 +3,10 @@
 //! Source: Wald & Havran 2006, algorithm 1 with automatic termination (equation 6).
 //!
 //! Deviations
-//! 1. A leaf also where at most [`BuildOptions::leaf_at_most`] triangles remain: calibrated on the slides' Kitchen row.
+//! 1. A node of at most [`BuildOptions::leaf_at_most`] triangles is a leaf too: calibrated on the slides' Kitchen row.
 //! 2. No recursion on the machine's stack below the parallel top, since depth is bounded only by the scene.
-//! 3. Where bytes have a price (`plan/collapse.rs`), a split must also pay for the two nodes that it adds: what would be
-//!    collapsed afterwards is mostly not built at all.
+//! 3. Where bytes have a price (`plan/price.rs`), a split must also pay for the two nodes that it adds, so that most of what would be
+//!    collapsed afterwards is not built at all.
 //! 4. Every decision depends on the node's contents alone, so thread count and scheduling leave no trace in the tree.
 
 use super::fragment::Fragment;
@@ -24,45 +24,49 @@ const NODES_A_LOOK: usize = 256;
 
 /// A node on the stack of one thread.
 struct Pending {
-    /// Its fragments.
+    /// Where its fragments lie in the stack of fragments.
     range: Range<usize>,
     voxel: Aabb,
-    weight: f64,
-    /// The parent, when this is its right child.
+    /// How far the progress moves when everything below this node is built.
+    share: f64,
+    /// The parent's position in the plan, when this is its right child: the parent must be told where that begins.
     parent: Option<usize>,
 }
 
 impl Builder<'_> {
-    /// The tree over `fragments`, by this thread alone; moves the progress by `weight`. Where bytes have a price, what would
-    /// surely be collapsed is not built.
+    /// The plan of the subtree over `fragments`, built by this thread alone; moves the progress by `share`. Where bytes have a price,
+    /// splits that do not pay for their bytes are not made (deviation 3).
     pub(in crate::construct) fn subtree(
         &self,
         fragments: Vec<Fragment>,
         voxel: Aabb,
-        weight: f64,
+        share: f64,
         price: Option<Price>,
     ) -> Result<Plan, BuildError> {
         let mut scratch = self.take_scratch();
-        let result = self.grow(fragments, voxel, weight, price, &mut scratch);
+        let result = self.grow(fragments, voxel, share, price, &mut scratch);
         self.give_scratch(scratch);
         result
     }
 
-    /// Depth first, left before right. The fragments of all pending nodes lie in one stack, the next node's on top. A right
-    /// child takes its parent's place, a left one begins behind its parent: gaps stay, but nothing is copied twice.
+    /// Builds depth first, left before right. The fragments of all pending nodes lie in one stack, those of the next node on top. The
+    /// fragments of a right child are written where its parent's were, those of a left child behind them. This leaves gaps in
+    /// the stack, but no fragment is copied twice.
     fn grow(
         &self,
         mut fragments: Vec<Fragment>,
         voxel: Aabb,
-        weight: f64,
+        share: f64,
         price: Option<Price>,
         scratch: &mut Scratch,
     ) -> Result<Plan, BuildError> {
         let needs_counts = self.job.options.needs_counts();
         let mut plan = Plan::default();
+        // Progress that was made but not reported yet.
         let mut done = 0.0;
-        let mut pending = vec![Pending { range: 0..fragments.len(), voxel, weight, parent: None }];
-        while let Some(Pending { range, voxel, weight, parent }) = pending.pop() {
+        let mut pending = vec![Pending { range: 0..fragments.len(), voxel, share, parent: None }];
+        while let Some(Pending { range, voxel, share, parent }) = pending.pop() {
+            // 1. The node gets the next place in the plan; its parent is told if this is the right child.
             let at = plan.nodes.len();
             if at.is_multiple_of(NODES_A_LOOK) {
                 self.job.progress.check()?;
@@ -73,17 +77,19 @@ impl Builder<'_> {
             if let Some(PlanNode::Inner { right, .. }) = parent.map(|parent| &mut plan.nodes[parent]) {
                 *right = at as u32;
             }
+            // 2. Find the best split; without one that pays, the node is a leaf.
             let margin = price.map_or(0.0, |price| price.of_a_split(&voxel, self.job.options.layout));
             let node = &fragments[range.clone()];
             let Some(split) = scratch.best_split(node, &voxel, self.job.options, margin)? else {
                 emit_leaf(&mut plan, &fragments[range])?;
-                done += weight;
+                done += share;
                 if done > 1e-3 {
                     self.job.progress.advance(done);
                     done = 0.0;
                 }
                 continue;
             };
+            // 3. Partition the fragments: the right child's in place of this node's, the left child's behind them.
             let exact = self.job.options.clipping.is_exact_for(range.len() as u32);
             let (start, end) = (range.start, range.end);
             stretch(&mut fragments, end + range.len())?;
@@ -93,20 +99,21 @@ impl Builder<'_> {
                 behind,
                 &mut scratch.straddlers,
             )?;
+            // 4. Write the node, and push its children, the left one last so that it is next.
             room(&mut plan.nodes, 1)?;
             plan.nodes.push(PlanNode::Inner { axis: split.axis as u8, split: split.position, right: 0 });
             let (left_voxel, right_voxel) = voxel.split(split.axis, split.position);
-            let left_weight = weight * lefts as f64 / ((lefts + rights).max(1)) as f64;
+            let left_share = share * lefts as f64 / ((lefts + rights).max(1)) as f64;
             pending.push(Pending {
                 range: start..start + rights,
                 voxel: right_voxel,
-                weight: weight - left_weight,
+                share: share - left_share,
                 parent: Some(at),
             });
             pending.push(Pending {
                 range: end..end + lefts,
                 voxel: left_voxel,
-                weight: left_weight,
+                share: left_share,
                 parent: None,
             });
         }
@@ -118,7 +125,7 @@ impl Builder<'_> {
     }
 }
 
-/// Appends a leaf of a node's triangles.
+/// Appends a leaf of a node's triangles, ascending by id.
 fn emit_leaf(plan: &mut Plan, fragments: &[Fragment]) -> Result<(), BuildError> {
     let first = plan.references.len();
     room(&mut plan.references, fragments.len())?;

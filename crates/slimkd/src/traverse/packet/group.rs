@@ -1,7 +1,7 @@
-//! Up to 16·G rays side by side: what `PreparedRay` and `Shear` hold of one ray, a lane each. Read `prepared.rs` first.
+//! Up to 16·G prepared rays: each lane holds what `PreparedRay` and `Shear` hold of one ray. Read `prepared.rs` first.
 //!
-//! The operations are those of `prepared.rs` and `geometry/intersect.rs` in their order, so slopes have the same bits
-//! and the proofs there hold a lane at a time.
+//! The operations are those of `prepared.rs` and `geometry/intersect.rs`, in the same order. So the slopes have the same bits, and the
+//! proofs there hold for each lane.
 
 use crate::geometry::{Aabb, Ray};
 use crate::layout::Planes;
@@ -9,16 +9,16 @@ use crate::simd::{Simd, prefetch};
 use crate::traverse::conditions::NO_TRIANGLE;
 use crate::traverse::prepared::{LEAST, LEAST_SCALED, PARALLEL, QUARTER_SLACK};
 
-/// Lanes of one vector.
+/// The number of lanes of a vector.
 pub(super) const WIDTH: usize = 16;
 
-/// Vectors of one quantity.
+/// One quantity of all rays of a group: G vectors.
 pub(super) type Lanes<V, const G: usize> = [V; G];
 
-/// Prepared rays and what they have found.
+/// Prepared rays and their best hits so far.
 pub(super) struct Group<S: Simd, const G: usize> {
     pub(super) origin: [Lanes<S::F, G>; 3],
-    /// As `PreparedRay::origin`: in the tree's plane coordinates.
+    /// As `PreparedRay::plane_origin`: the origin in the tree's plane coordinates.
     pub(super) plane_origin: [Lanes<S::F, G>; 3],
     /// As `PreparedRay::inverse`.
     pub(super) inverse: [Lanes<S::F, G>; 3],
@@ -28,14 +28,16 @@ pub(super) struct Group<S: Simd, const G: usize> {
     pub(super) slope: [Lanes<S::F, G>; 2],
     /// The direction's longest component.
     pub(super) along: Lanes<S::F, G>,
-    /// Interval inside the bounds, scaled units; empty for rays that are not to be traced.
+    /// The ray's interval inside the scene's bounds, in scaled units; empty for rays that miss the bounds.
     pub(super) enter: Lanes<S::F, G>,
     pub(super) exit: Lanes<S::F, G>,
+    /// As `PreparedRay::t_min`: the user's, cut to a finite number.
     pub(super) t_min: Lanes<S::F, G>,
+    /// As `PreparedRay::scale`.
     pub(super) scale: Lanes<S::F, G>,
-    /// Largest t that still matters: the best hit's, at first t_max.
+    /// The largest t that still matters, in the user's units: the best hit's, at first t_max.
     pub(super) limit: Lanes<S::F, G>,
-    /// The best hit's triangle, `u32::MAX` without one.
+    /// The best hit's triangle; `u32::MAX` where there is no hit.
     pub(super) triangle: Lanes<S::U, G>,
     pub(super) u: Lanes<S::F, G>,
     pub(super) v: Lanes<S::F, G>,
@@ -43,23 +45,23 @@ pub(super) struct Group<S: Simd, const G: usize> {
     pub(super) except: Lanes<S::U, G>,
 }
 
-/// Which lanes agree in what a walk needs to be the same for all; bit `i` is ray `i`.
+/// What decides the class of each ray; bit `i` of each mask is ray `i`.
 #[derive(Clone, Copy)]
 pub(super) struct Classes {
     /// Rays that are valid and meet the bounds.
     pub(super) traced: u64,
-    /// Rays that descend on an axis.
+    /// For each axis, the rays whose direction is negative on it.
     pub(super) negative: [u64; 3],
     /// Rays whose longest component is on axis 0, on axis 1.
     longest: [u64; 2],
 }
 
-/// What the rays of one walk have in common.
+/// A class of rays: what all rays of one walk have in common.
 #[derive(Clone, Copy)]
 pub(super) struct Class {
-    /// Per axis, 1 where the rays descend, so that the right child is the near one.
+    /// For each axis, 1 where the rays' direction is negative, so that the right child is the near one; else 0.
     pub(super) descends: [u32; 3],
-    /// `Shear::axes`.
+    /// As `Shear::axes`: the axes in the order in which the longest one is last.
     pub(super) axes: [usize; 3],
 }
 
@@ -95,11 +97,11 @@ impl Classes {
     }
 }
 
-/// What invalid rays are filled up with: it misses by definition.
+/// The invalid ray that takes the place of missing rays in the last group of a batch.
 const NO_RAY: Ray = Ray { origin: [0.0; 3], direction: [0.0; 3], t_min: 0.0, t_max: 0.0 };
 
 impl<S: Simd, const G: usize> Group<S, G> {
-    /// Room for rays.
+    /// A group without rays; [`Group::fill`] puts them in.
     #[inline(always)]
     pub(super) fn new(s: S) -> Self {
         let zeros = [s.f32s(0.0); G];
@@ -122,8 +124,8 @@ impl<S: Simd, const G: usize> Group<S, G> {
         }
     }
 
-    /// Prepares at most 16·G rays, which have found nothing yet; missing ones miss. In place: a group is 7 kB, and moving
-    /// it twice took 7 % of the time.
+    /// Prepares at most 16·G rays, which have no hit yet, and fills up with [`NO_RAY`]. It works in place, because a group takes 7 kB:
+    /// moving it twice took 7 % of the time.
     #[inline(always)]
     pub(super) fn fill(&mut self, s: S, rays: &[Ray], bounds: &Aabb, planes: &Planes) -> Classes {
         if rays.len() >= G * WIDTH {
@@ -145,7 +147,7 @@ impl<S: Simd, const G: usize> Group<S, G> {
         }
     }
 
-    /// Takes 16·G rays.
+    /// Prepares exactly 16·G rays.
     #[inline(always)]
     fn prepare_all(&mut self, s: S, rays: &[Ray], bounds: &Aabb, planes: &Planes) -> Classes {
         // SAFETY: a ray is `repr(C)` and holds eight f32, so a slice of rays is one of as many records.
@@ -157,6 +159,7 @@ impl<S: Simd, const G: usize> Group<S, G> {
         classes
     }
 
+    /// Prepares the 16 rays of vector `g`: `PreparedRay::new` in lanes. `records` begins with them.
     #[inline(always)]
     fn prepare(
         &mut self,
@@ -168,7 +171,7 @@ impl<S: Simd, const G: usize> Group<S, G> {
         classes: &mut Classes,
     ) {
         let [ox, oy, oz, t_min, dx, dy, dz, t_max] = s.columns(records);
-        // The next group's, two rays a line: they arrive while this one is traced.
+        // Fetch the rays of the next group while this one is traced; a line of the cache holds two rays.
         let next = records.as_ptr().wrapping_add(G * WIDTH);
         (0..WIDTH).step_by(2).for_each(|ray| prefetch(next.wrapping_add(ray)));
         let (origin, direction) = ([ox, oy, oz], [dx, dy, dz]);
@@ -213,6 +216,7 @@ impl<S: Simd, const G: usize> Group<S, G> {
         let least = s.f32s(LEAST) * s.larger(scale * s.f32s(LEAST_SCALED), s.f32s(1.0));
         let reach = s.f32s(4.0) * reach + s.select(subnormal, infinity, least);
 
+        // For each axis: the reciprocal, the width of slabs, and the interval inside the scene's bounds.
         let (t_min, t_max) = (s.larger(t_min, s.f32s(f32::MIN)), s.smaller(t_max, s.f32s(f32::MAX)));
         let (mut enter, mut exit) = (t_min * scale, t_max * scale);
         for k in 0..3 {
@@ -237,6 +241,7 @@ impl<S: Simd, const G: usize> Group<S, G> {
             self.inverse[k][g] = plane_inverse;
             self.slack[k][g] = width;
         }
+        // Note each ray's class, and begin without a hit.
         valid = valid & s.le(enter, exit);
         classes.traced |= u64::from(s.bits(valid)) << at;
         classes.longest[0] |= u64::from(s.bits(is_x)) << at;
@@ -246,7 +251,7 @@ impl<S: Simd, const G: usize> Group<S, G> {
         self.triangle[g] = s.u32s(u32::MAX);
     }
 
-    /// Whether `lanes` start at the point `eye`, to the last bit.
+    /// Whether all rays of `lanes` start at the point `eye`, to the last bit.
     #[inline(always)]
     pub(super) fn all_start_at(&self, s: S, eye: [f32; 3], lanes: u64) -> bool {
         let mut same = lanes;
@@ -260,7 +265,7 @@ impl<S: Simd, const G: usize> Group<S, G> {
         same == lanes
     }
 
-    /// Vector `g` alone.
+    /// A copy of vector `g` as a group of its own: a packet.
     #[inline(always)]
     pub(super) fn part(&self, g: usize) -> Group<S, 1> {
         Group {
@@ -282,7 +287,7 @@ impl<S: Simd, const G: usize> Group<S, G> {
         }
     }
 
-    /// Takes back what `part` found.
+    /// Takes over the hits of `part`, a packet that [`Group::part`] made of vector `g`.
     #[inline(always)]
     pub(super) fn take(&mut self, g: usize, part: &Group<S, 1>) {
         self.limit[g] = part.limit[0];
@@ -291,7 +296,7 @@ impl<S: Simd, const G: usize> Group<S, G> {
     }
 }
 
-/// Of three, the one that the longest axis names.
+/// In each lane, the one of three values that belongs to the longest axis.
 #[inline(always)]
 fn pick<S: Simd>(s: S, [is_x, is_y]: [S::M; 2], [x, y, z]: [S::F; 3]) -> S::F {
     s.select(is_x, x, s.select(is_y, y, z))

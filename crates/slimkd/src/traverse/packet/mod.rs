@@ -1,10 +1,11 @@
-//! Coherent rays: groups of 64, packets of 16, and what becomes of rays that do not fit in.
+//! Coherent rays: groups of 64, packets of 16, and strays.
 //!
 //! Source: Choi, Chang & Ihm 2013 trace 4×4 SIMD packets. Deviation: four of those share one walk; see `walk.rs`.
 //!
-//! Rays of one walk must agree in the signs of their direction and in its longest axis. Those that do not are walked
-//! class by class; what is left over goes in packets of 16 and, below [`FEWEST`], back to the caller, who makes a stream
-//! of it. Every kernel gives the same hits, so this is about speed alone.
+//! The rays of one walk must be of one class: they agree in the signs of their direction's components and in its longest axis. 64 rays
+//! of several classes are walked class by class. A class of fewer than [`FEW`] rays is walked in packets, the rays of one vector
+//! each. Where a packet would have fewer than [`FEWEST`] rays, they are strays: the caller traces those as a stream. Every kernel
+//! gives the same hits, so these decisions concern speed alone.
 
 mod bundle;
 mod group;
@@ -20,18 +21,18 @@ use group::{Group, WIDTH};
 pub(crate) use strays::{Strays, finish};
 use walk::{Eye, Stack, walk};
 
-/// Vectors of a group.
+/// The number of vectors in a group.
 const VECTORS: usize = 4;
-/// Rays of a group.
+/// The number of rays in a group.
 const RAYS: usize = VECTORS * WIDTH;
-/// Fewer rays than these are walked as packets of 16, not as a group.
+/// A class of fewer rays is walked in packets, not as a group.
 const FEW: u32 = 16;
-/// Fewer rays than these in a packet are left to streams.
+/// Fewer rays in a packet are strays.
 const FEWEST: u32 = 7;
 
 /// What a hit's place holds before it is written.
 const NOTHING: Hit = Hit { t: 0.0, u: 0.0, v: 0.0, triangle: u32::MAX };
-/// Where the hits of a vector's lanes lie, bytes.
+/// The offsets in bytes of the hits of a vector's lanes, in an array of hits.
 const HIT_PLACES: [u32; WIDTH] = {
     let mut places = [0; WIDTH];
     let mut lane = 0;
@@ -74,6 +75,7 @@ impl<N: Nodes> Kernel for ClosestHits<'_, N> {
                 &mut stacks,
             );
             for g in 0..VECTORS {
+                // `limit` is the t of the best hit.
                 let rows = [s.cast_u32(group.limit[g]), s.cast_u32(group.u[g]), s.cast_u32(group.v[g])];
                 let rows = [rows[0], rows[1], rows[2], group.triangle[g]];
                 // SAFETY: a hit is `repr(C)` and holds t, u, v, triangle: 16 bytes. There is one for each lane.
@@ -127,7 +129,7 @@ impl<N: Nodes> Kernel for AnyHits<'_, N> {
     }
 }
 
-/// Of groups and of packets; kept from one to the next.
+/// The stacks of groups and of packets. They are allocated once and used by one walk after the other.
 struct Stacks<S: Simd> {
     group: Stack<S, VECTORS>,
     packet: Stack<S, 1>,
@@ -141,7 +143,8 @@ impl<S: Simd> Stacks<S> {
     }
 }
 
-/// Traces at most [`RAYS`], the first of which stands at `first` in the batch; `group` then holds what they found. Returns the rays that are left to streams.
+/// Traces at most [`RAYS`] rays; `first` is the position of the first one in the batch. Afterwards `group` holds their hits. Returns
+/// the strays, a bit for each ray.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
 fn trace<S: Simd, N: Nodes, const ANY: bool>(
@@ -154,21 +157,24 @@ fn trace<S: Simd, N: Nodes, const ANY: bool>(
     group: &mut Group<S, VECTORS>,
     stacks: &mut Stacks<S>,
 ) -> u64 {
+    // 1. Prepare the rays; those that are invalid or miss the bounds are not traced.
     let classes = group.fill(s, rays, tree.bounds, planes);
     group.leave_out(s, except.map(|except| &except[first..first + rays.len()]));
-    let mut alone = 0;
+    let mut strays = 0;
     let mut left = if tree.bounds.is_empty() { 0 } else { classes.traced };
     while left != 0 {
-        let first = left.trailing_zeros();
-        let (class, lanes) = classes.of(first, left);
+        // 2. The class of the first ray that is left, and all rays of that class.
+        let leader = left.trailing_zeros();
+        let (class, lanes) = classes.of(leader, left);
         left &= !lanes;
-        let at = rays[first as usize].origin;
-        let eye = Eye::new(at, planes);
+        let start = rays[leader as usize].origin;
+        let eye = Eye::new(start, planes);
+        // 3. Few rays go as packets or are strays; many go as a group, which is faster where all start at one point.
         if lanes.count_ones() < FEW {
             for g in 0..VECTORS {
                 let part = lanes >> (g * WIDTH) & 0xffff;
                 if part.count_ones() < FEWEST {
-                    alone |= part << (g * WIDTH);
+                    strays |= part << (g * WIDTH);
                 } else {
                     let mut packet = group.part(g);
                     let stack = &mut stacks.packet;
@@ -176,7 +182,7 @@ fn trace<S: Simd, N: Nodes, const ANY: bool>(
                     group.take(g, &packet);
                 }
             }
-        } else if group.all_start_at(s, at, lanes) {
+        } else if group.all_start_at(s, start, lanes) {
             let stack = &mut stacks.group;
             walk::<S, N, VECTORS, true, ANY>(s, tree.nodes, group, class, lanes, eye, stack);
         } else {
@@ -184,10 +190,10 @@ fn trace<S: Simd, N: Nodes, const ANY: bool>(
             walk::<S, N, VECTORS, false, ANY>(s, tree.nodes, group, class, lanes, eye, stack);
         }
     }
-    alone
+    strays
 }
 
-/// Calls `what` with the places of the set bits.
+/// Calls `what` with the position of each bit that is set.
 #[inline(always)]
 fn each(mut bits: u64, mut what: impl FnMut(usize)) {
     while bits != 0 {

@@ -1,7 +1,7 @@
-//! Up to 16·G rays through the tree together. Read `single.rs` first: this is that walk, with an interval a lane.
+//! The walk of up to 16·G rays together. Read `single.rs` first: this is the same walk, with an interval for each lane.
 //!
-//! Sources: Wald et al., *Interactive Rendering with Coherent Ray Tracing*, EG 2001, for packets; `single.rs` for every
-//! comparison: a lane's interval takes the same values here as there.
+//! Sources: Wald et al., *Interactive Rendering with Coherent Ray Tracing*, EG 2001, for packets. The comparisons are those of
+//! `single.rs`: a lane's interval takes the same values here as there.
 //!
 //! A worked example with four lanes, at an inner node whose plane x = 5 is crossed by rays that go up in x; numbers are distances
 //! along each ray, the slab's width is left out:
@@ -21,8 +21,8 @@
 //!
 //! Deviations
 //! 1. No mask says which rays are active: a ray is active where its interval is not empty. The slab rule of
-//!    `prepared.rs` empties exactly the intervals of the children that the single walk leaves out. A NaN empties nothing,
-//!    as there.
+//!    `prepared.rs` empties exactly the intervals of the children that the single walk leaves out. Where a plane's distance is NaN,
+//!    no interval becomes empty, as in the single walk.
 //! 2. G vectors share one walk: a node is fetched and decoded once for 64 rays.
 //! 3. With a common origin the distance to a plane and to a triangle's corners is computed once for all rays.
 //! 4. A triangle is fetched while the one before it is tested.
@@ -35,16 +35,17 @@ use crate::simd::Simd;
 use crate::traverse::counters::count;
 use crate::traverse::prepared::{larger, smaller};
 
-/// A far child to come back to.
+/// A far child to come back to, with the interval of each lane in it.
 pub(super) struct Far<S: Simd, const G: usize> {
     enter: Lanes<S::F, G>,
     exit: Lanes<S::F, G>,
-    /// Around all of those.
+    /// An interval around all of these.
     span: Span,
     node: Address,
 }
 
-/// Where all rays of a walk are, scaled units; some intervals may have become shorter.
+/// An interval around the intervals of all rays of a walk, in scaled units. It may be longer than needed, as it is not shortened when
+/// rays find hits.
 #[derive(Clone, Copy)]
 struct Span {
     enter: f32,
@@ -54,7 +55,7 @@ struct Span {
 /// Far children, nearest last.
 pub(super) type Stack<S, const G: usize> = Vec<Far<S, G>>;
 
-/// Where the rays start, if at one point: in the scene, and in plane coordinates.
+/// The point at which all rays of a walk with `COMMON` start, in scene units and in plane coordinates.
 #[derive(Clone, Copy)]
 pub(super) struct Eye {
     at: [f32; 3],
@@ -84,13 +85,14 @@ pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const 
     eye: Eye,
     stack: &mut Stack<S, G>,
 ) {
+    // 1. The intervals of rays that do not take part in this walk are empty.
     let (mut enter, mut exit) = (group.enter, group.exit);
     for g in 0..G {
         let mask = s.mask((lanes >> (g * WIDTH)) as u32);
         enter[g] = s.select(mask, enter[g], s.f32s(f32::INFINITY));
         exit[g] = s.select(mask, exit[g], s.f32s(f32::NEG_INFINITY));
     }
-    // Intervals around all rays: they decide most nodes at once.
+    // 2. Intervals around all rays decide most nodes at once.
     let bundle = Bundle::new(s, group, class, lanes);
     let mut span = Span { enter: f32::INFINITY, exit: f32::NEG_INFINITY };
     for g in 0..G {
@@ -111,7 +113,8 @@ pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const 
                 c.ray_nodes += u64::from(s.bits(s.le(enter[g], exit[g])).count_ones());
             }
         });
-        // Triangles of this node, of a leaf or as a T-reference.
+        // 3. The triangles of this node: those of a leaf, or a T-reference. Leaves and inner nodes share the code that tests them, since
+        //    it is inlined and is most of the kernel.
         let reference;
         let mut ids = match &mut step {
             // SAFETY: the leaf comes from this tree.
@@ -124,7 +127,6 @@ pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const 
                 }
             },
         };
-        // One place for both kinds of node: this is most of the code.
         if !ids.is_empty() {
             while !ids.is_empty() {
                 // SAFETY: a node of this tree names the triangles.
@@ -139,7 +141,7 @@ pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const 
                 exit[g] = s.smaller(group.limit[g] * group.scale[g], exit[g]);
             }
         }
-        // An inner node: into the near child, the far child to the stack, or only one of both.
+        // 4. At an inner node, the walk goes into one child, or into the near one with the far one on the stack.
         if let Step::Inner(node) = step {
             let axis = node.axis;
             let (near, far) = node.near_and_far(class.descends[axis].wrapping_neg());
@@ -154,7 +156,7 @@ pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const 
                 address = far;
                 continue;
             }
-            // Not decided for all at once: lane by lane.
+            // The intervals around all rays did not decide it, so each lane is looked at.
             let from_eye = s.f32s(node.split - eye.plane_origin[axis]);
             let split = s.f32s(node.split);
             let (mut far_enter, mut near_exit) = (enter, exit);
@@ -183,7 +185,7 @@ pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const 
             address = near;
             continue;
         }
-        // A leaf: back to the nearest far child that some ray may still gain from.
+        // 5. At a leaf, the walk goes back to the nearest far child in which some ray may still find a nearer hit.
         loop {
             let Some(far) = stack.pop() else { return };
             let mut active = s.mask(0);
@@ -227,9 +229,10 @@ unsafe fn offer<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const ANY
         let id = ids[index];
         let at = next;
         if let Some(&after) = ids.get(index + 1) {
-            // SAFETY: as before.
+            // SAFETY: the caller says that the ids come from this tree.
             next = unsafe { nodes.corners(after) };
         }
+        // The corners in the order of the class's axes, and relative to the common origin if there is one.
         let mut corners = at;
         for i in 0..3 {
             for k in 0..3 {

@@ -1,4 +1,4 @@
-//! Work that the walk leaves behind: leaves to read, pairs of ray and triangle to test.
+//! The queue of work that the walk leaves behind: leaves to read, and pairs of a ray and a triangle to test.
 
 use super::LEAVES_AT;
 use super::answers::Answers;
@@ -8,19 +8,21 @@ use crate::layout::{Address, LaneNodes, MOST_IDS, SPILL};
 use crate::simd::Simd;
 use crate::traverse::RayConditions;
 
-/// Room for leaves: those that wait, and a step's of all groups; compressing writes 16 more.
+/// Room for the leaves that wait and those that one step of every slot adds; `compress` may write 16 more behind these.
 const LEAF_ROOM: usize = LEAVES_AT + SLOTS + 16;
-/// Pairs that are enough to read no more leaves before some are tested.
+/// Once so many pairs wait, some are tested before another leaf is read.
 const MANY: usize = 128;
-/// Room for pairs: that, what is taken off a leaf at once, and a vector.
+/// Room for these pairs, the ids that are taken off a leaf at once, and one more vector.
 const PAIR_ROOM: usize = MANY + MOST_IDS + SPILL + 16;
 
-/// The work in waiting.
+/// The work that waits.
 pub(super) struct Queue {
+    /// How many leaves wait; of each, the slot of the ray that met it, and its address.
     leaves: usize,
     slot: [u32; LEAF_ROOM],
     address: [u32; LEAF_ROOM],
 
+    /// How many pairs wait; of each, the slot of the ray, and the triangle.
     pairs: usize,
     pair_slot: [u32; PAIR_ROOM],
     pair_triangle: [u32; PAIR_ROOM],
@@ -33,6 +35,7 @@ impl Queue {
         Self { leaves: 0, slot: leaf, address: leaf, pairs: 0, pair_slot: pair, pair_triangle: pair }
     }
 
+    /// Adds the leaves at the addresses in the lanes of `which`.
     #[inline(always)]
     pub(super) fn push_leaves<S: Simd>(&mut self, s: S, which: S::M, slots: S::U, address: S::U) {
         let at = self.leaves;
@@ -40,6 +43,7 @@ impl Queue {
         self.leaves += s.compress(which, slots, &mut self.slot[at..]);
     }
 
+    /// Adds the pairs in the lanes of `which`.
     #[inline(always)]
     pub(super) fn push_pairs<S: Simd>(&mut self, s: S, which: S::M, slot: S::U, triangle: S::U) {
         let at = self.pairs;
@@ -47,10 +51,11 @@ impl Queue {
         self.pairs += s.compress(which, triangle, &mut self.pair_triangle[at..]);
     }
 
-    /// When enough waits, reads all leaves and tests pairs as long as there are 16 of them; with `all`, until nothing waits.
+    /// Does nothing while less than 16 leaves and 16 pairs wait. Else it reads all leaves, and tests pairs as long as there are 16 of
+    /// them. With `all`, it goes on until nothing waits.
     ///
-    /// One loop with one place for each kind of work, because all of it is inlined: called where it is wanted, it made
-    /// the crate compile six times as long.
+    /// One loop has one place for each kind of work, because all of it is inlined: with a call in several places, the crate took
+    /// six times as long to compile.
     #[inline(always)]
     pub(super) fn work<S: Simd, N: LaneNodes, A: Answers>(
         &mut self,
@@ -63,9 +68,11 @@ impl Queue {
         if self.leaves < LEAVES_AT && self.pairs < 16 && !all {
             return;
         }
+        // How many leaves have been read, and the next one where a part of its ids has been taken.
         let mut read = 0;
         let mut reading: Option<N::Leaf> = None;
         loop {
+            // 1. Read leaves into pairs.
             while self.pairs < MANY {
                 let mut leaf = match reading {
                     Some(leaf) => leaf,
@@ -91,6 +98,7 @@ impl Queue {
                     reading = Some(leaf);
                 }
             }
+            // 2. Test 16 pairs at a time; at the very end, fewer.
             let rest = all && read == self.leaves;
             let mut tested = 0;
             loop {
@@ -101,14 +109,14 @@ impl Queue {
                 let valid = s.mask((1 << count) - 1);
                 let slot = s.load_u32(&self.pair_slot[tested..]);
                 let triangle = s.load_u32(&self.pair_triangle[tested..]);
-                // What follows the pairs may be anything.
+                // Lanes behind the last pair hold any value: they get triangle 0, and `test` ignores them by `count`.
                 let triangle = s.select_u32(valid, triangle, s.u32s(0));
                 // SAFETY: the tree fits lanes. The slots and triangles of pairs were pushed or come from leaves of this tree, and
                 // 0 is a triangle too, since a mesh that fits lanes has one.
                 unsafe { test::<S, N, A>(s, nodes, conditions, slots, slot, triangle, count) };
                 tested += count;
             }
-            // Those that came first go first.
+            // 3. Move the pairs that are left, fewer than 16, to the front.
             let slot = s.load_u32(&self.pair_slot[tested..]);
             let triangle = s.load_u32(&self.pair_triangle[tested..]);
             s.store_u32(slot, &mut self.pair_slot);

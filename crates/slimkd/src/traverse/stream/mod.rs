@@ -1,20 +1,21 @@
-//! Streams: a ray a lane, for rays that go anywhere.
+//! Streams: one ray in each lane, for rays in any order.
 //!
-//! Source: none that does the same. A ray a lane with refilled lanes is how GPUs trace (Aila & Laine 2009, *Understanding
+//! Source: none that does the same. One ray in each lane, with lanes that are refilled, is how GPUs trace (Aila & Laine 2009, *Understanding
 //! the Efficiency of Ray Traversal on GPUs*, persistent threads); collecting leaf work until it fills vectors follows the
 //! idea of Tsakok 2009 (*Faster Incoherent Rays: Multi-BVH Ray Stream Tracing*).
 //!
 //! 32 rays are in flight, in two groups of 16 lanes that take turns. In a turn each ray visits one node (`walk.rs`). A ray
-//! that meets a leaf leaves it in a queue and goes on with what its stack has. When 16 leaves wait they are read, one after
-//! the other, into pairs of a ray and a triangle; 16 pairs are one triangle test (`leaves.rs`, `triangles.rs`). When enough
-//! rays have ended, all that waits is done, their answers are given, and new rays take their places (`slots.rs`,
-//! `prepare.rs`).
+//! that meets a leaf puts it into a queue and goes on with the top of its stack. When 16 leaves wait, they are read, one after
+//! the other, into pairs of a ray and a triangle, and 16 pairs are tested at once (`leaves.rs`, `triangles.rs`). When enough
+//! rays have ended, all work in the queue is done, the answers of these rays are given, and new rays take their places
+//! (`slots.rs`, `prepare.rs`).
 //!
 //! Why the hits are those of the single kernel, to the last bit
 //! 1. Every node that the single kernel visits is visited: the decisions at a split are the same, in the same f32
-//!    operations. Going on before a leaf is tested means a later limit, never an earlier one.
-//! 2. A ray is over when the entry on top of its stack begins behind its limit by more than entries may overlap: the
-//!    width of two slabs, and what rounding adds (`margin`, three times the ray's widest one, gives `cut`).
+//!    operations. A ray that goes on before its leaf is tested has a limit that is too far, never one that is too near.
+//! 2. A ray ends when the entry on top of its stack begins behind `cut`. The entries below lie behind it, but may overlap it by
+//!    two slacks and rounding. So `cut` is the ray's limit plus `margin`, three times its widest slack: no entry that is
+//!    dropped begins before the limit.
 //! 3. The triangle test is `Sheared`'s, f32 rejection and f64 decision, operation by operation. Which of two hits is
 //!    nearer does not depend on the order in which they come: equal t goes to the lowest id.
 
@@ -36,9 +37,9 @@ use prepare::Prepared;
 use slots::{SLOTS, Slots};
 use walk::Stack;
 
-/// Slots without a ray that make it worth while to stop for new ones.
+/// The number of idle slots from which on the walk stops to fill them with new rays.
 const REFILL_AT: u32 = 8;
-/// Leaves that are worth reading together.
+/// The number of waiting leaves from which on they are read.
 const LEAVES_AT: usize = 16;
 
 /// A batch of rays on its way through a tree.
@@ -52,7 +53,7 @@ pub(crate) struct Stream<'a, N, A> {
 }
 
 impl<'a, N: LaneNodes, A: Answers> Stream<'a, N, A> {
-    /// `None` where lanes cannot address the tree.
+    /// `None` where lanes cannot address the tree, because it is too small or too large.
     pub(crate) fn new(
         tree: Traced<'a, N>,
         rays: &'a [Ray],
@@ -78,12 +79,14 @@ impl<N: LaneNodes, A: Answers> Kernel for Stream<'_, N, A> {
         let mut ready = Prepared::new();
         let mut next = 0;
         loop {
+            // 1. Stop for new rays when enough slots are idle and rays are left, and when every slot is idle.
             let idle = !slots.walking();
             let more = !ready.is_empty() || next < self.rays.len();
             let refill = idle.count_ones() >= REFILL_AT && (more || idle == !0);
-            // An answer is known when nothing of its ray waits any more.
+            // 2. Do the work in the queue: all of it before answers are given, as an answer is known only when nothing of its ray waits.
             queue.work::<S, N, A>(s, nodes, &self.conditions, &mut slots, refill);
             if refill {
+                // 3. Give the answers of rays that have ended, and fill both groups as far as rays are left.
                 slots.retire(&mut self.answers);
                 let mut group = 0;
                 while group < SLOTS / 16 {
@@ -102,6 +105,7 @@ impl<N: LaneNodes, A: Answers> Kernel for Stream<'_, N, A> {
                     return;
                 }
             }
+            // 4. Every ray visits one node.
             for group in 0..SLOTS / 16 {
                 walk::step::<S, N>(s, nodes, group, &mut slots, &mut stack, &mut queue);
             }

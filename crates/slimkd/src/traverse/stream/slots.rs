@@ -1,4 +1,4 @@
-//! The rays in flight.
+//! The rays in flight, each in a slot: what the kernel knows of them, how new ones come in, and how answers go out.
 
 use super::answers::Answers;
 use super::prepare::{Lanes, Prepared};
@@ -11,52 +11,53 @@ use crate::traverse::prepared::larger;
 /// Rays in flight: two groups of 16 lanes.
 pub(super) const SLOTS: usize = 32;
 
-/// A value a slot.
+/// One value for each slot.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Each<T>(pub(super) [T; SLOTS]);
 
-/// All that kernels read of the rays in flight, by field.
+/// Everything that the kernel reads of the rays in flight, as one array for each field.
 pub(super) struct Slots {
-    /// Which slots of each group are walking.
+    /// Which slots of each group hold a ray whose walk goes on.
     pub(super) live: [u32; 2],
     /// Which slots hold a ray whose answer is still to be given.
     held: u32,
 
-    /// The node to visit, and what stands there.
+    /// The address of the node to visit, and the two words that were read there.
     pub(super) address: Each<u32>,
     pub(super) lower: Each<u32>,
     pub(super) upper: Each<u32>,
+    /// The ray's interval in that node, in scaled units.
     pub(super) enter: Each<f32>,
     pub(super) exit: Each<f32>,
-    /// The entry on top of the stack, bytes.
+    /// The offset in bytes of the entry on top of the slot's stack.
     pub(super) top: Each<u32>,
-    /// Its lowest entry.
+    /// The offset in bytes of the slot's lowest entry.
     bottom: Each<u32>,
-    /// The end of what still matters, scaled units.
+    /// The largest distance that still matters, in scaled units: the best hit's, at first the ray's end.
     pub(super) limit: Each<f32>,
-    /// Nothing on the stack matters once an entry begins behind this.
+    /// Once the entry on top of the stack begins behind this, no entry of the stack matters: `limit + margin`.
     pub(super) cut: Each<f32>,
-    /// How far an interval may reach into its neighbour.
+    /// A bound on how far the intervals of two entries may overlap, see the module head of `mod.rs`.
     margin: Each<f32>,
 
     pub(super) plane_origin: [Each<f32>; 3],
     pub(super) inverse: [Each<f32>; 3],
     pub(super) slack: [Each<f32>; 3],
 
-    /// The origin in the ray's frame, its slopes, the direction along the longest axis, and that axis.
+    /// The frame origin, the slopes of the shear, the direction's component on its longest axis, and that axis.
     pub(super) frame_origin: [Each<f32>; 3],
     pub(super) slope: [Each<f32>; 2],
     pub(super) along: Each<f32>,
     pub(super) longest: Each<f32>,
     pub(super) t_min: Each<f32>,
-    /// The best hit; at first the ray's end and no triangle.
+    /// The best hit. At first its `t` is the ray's end, and it has no triangle (`u32::MAX`).
     pub(super) best_t: Each<f32>,
     best_u: Each<f32>,
     best_v: Each<f32>,
     best_triangle: Each<u32>,
     scale: Each<f32>,
-    /// Position in the batch.
+    /// The ray's position in the batch.
     ray: Each<u32>,
 }
 
@@ -94,6 +95,7 @@ impl Slots {
         }
     }
 
+    /// A bit for each slot: whether it holds a ray whose walk goes on.
     #[inline(always)]
     pub(super) fn walking(&self) -> u32 {
         self.live[0] | self.live[1] << 16
@@ -117,7 +119,7 @@ impl Slots {
         }
     }
 
-    /// Fills empty slots of a group with prepared rays, as many as there are; `root` is what stands at address 0.
+    /// Fills idle slots of a group with prepared rays, as many as there are; `root` holds the two words of the root.
     #[inline(always)]
     pub(super) fn fill<S: Simd>(&mut self, s: S, group: usize, ready: &mut Prepared, root: (S::U, S::U)) {
         let at = 16 * group;
@@ -128,7 +130,7 @@ impl Slots {
         });
         self.live[group] |= filled;
         self.held |= filled << at;
-        // By whole vectors: fields written lane by lane would have to reach the cache before a step could read them.
+        // Fields are written as whole vectors: a step would have to wait until single values had reached the cache.
         let new = New { mask: s.mask(filled), from: s.load_u32(&from), at };
         let (limit, margin) = (new.take(s, &ready.limit), new.take(s, &ready.margin));
         new.put(s, limit, &mut self.limit);
@@ -163,7 +165,7 @@ impl Slots {
         self.ray.0[slot & (SLOTS - 1)] as usize
     }
 
-    /// A hit within the ray's interval and not behind its best one.
+    /// Takes a hit within the ray's range. It becomes the best one where it is nearer, or as near and of a lower id.
     #[inline(always)]
     pub(super) fn offer<A: Answers>(&mut self, slot: usize, hit: Hit) {
         // Before the first hit, `best_t` is the ray's end and the id is the largest.
@@ -176,16 +178,19 @@ impl Slots {
             self.best_triangle.0[slot] = hit.triangle;
             let limit = if A::ANY { f32::NEG_INFINITY } else { hit.t * self.scale.0[slot] };
             self.limit.0[slot] = limit;
-            // Not the sum where that is NaN, infinity and its opposite.
+            // `larger` gives the limit where the sum is NaN: a limit of −∞ and an infinite margin.
             self.cut.0[slot] = larger(limit + self.margin.0[slot], limit);
         }
     }
 }
 
-/// Lanes of the group at `at` that get a new ray, and which prepared one.
+/// New rays for the lanes of a group.
 struct New<S: Simd> {
+    /// The lanes that get a new ray.
     mask: S::M,
+    /// For each lane, the lane of the prepared ray that it gets.
     from: S::U,
+    /// The group's first slot.
     at: usize,
 }
 

@@ -1,4 +1,4 @@
-//! One step of 16 rays: each visits its node. Read `single.rs` first: a lane takes the decisions that its ray takes there.
+//! One step of 16 rays, in which each visits one node. Read `single.rs` first: a lane makes the same decisions as its ray makes there.
 
 use super::leaves::Queue;
 use super::slots::{Each, SLOTS, Slots};
@@ -6,32 +6,34 @@ use crate::layout::{LaneNodes, LaneStep};
 use crate::simd::Simd;
 use crate::traverse::counters::count;
 
-/// Deepest tree whose stack stands in the frame.
+/// The deepest tree whose far children fit [`Stack::small`], which lies on the machine's stack.
 const SMALL_DEPTH: usize = 64;
-/// Entries of a slot beside its far children: one below all that says that the stack is empty, and one to write over,
-/// since every lane writes an entry and only some keep it.
+/// Entries of a slot beside its far children: the lowest one, which marks the empty stack, and one above the top, which every step
+/// writes although only some lanes keep it.
 const GUARDS: usize = 2;
-/// Bytes of an entry.
+/// The size of an entry in bytes.
 const ENTRY: u32 = size_of::<Entry>() as u32;
 
-/// A far child to come back to: address, where the ray enters and leaves it, nothing. Written and read as a whole, in
-/// one access: a load that spans two stores waits for both to reach the cache.
+/// A far child to come back to. The four words are its address, where the ray enters it, where the ray leaves it, and one that is not
+/// used. An entry is written and read in one access, as a load that spans two stores waits until both have reached the cache.
 #[derive(Clone, Copy)]
 #[repr(align(16))]
 struct Entry(#[expect(dead_code, reason = "accessed through pointers")] [u32; 4]);
 
-/// Far children, slot after slot.
+/// The stacks of far children of all slots, one slot after the other.
 pub(super) struct Stack {
+    /// The entries of trees up to [`SMALL_DEPTH`].
     small: [Entry; SLOTS * (SMALL_DEPTH + GUARDS)],
+    /// The entries of deeper trees; else empty.
     large: Vec<Entry>,
-    /// Entries of a slot.
+    /// The number of entries of each slot.
     room: usize,
 }
 
 impl Stack {
     #[inline(always)]
     pub(super) fn new(depth: u32) -> Self {
-        // No ray enters it: that ends a ray.
+        // The mark of the empty stack: its `enter` is NaN, which is never at or before `cut`, so a ray that pops it ends.
         let empty = Entry([0, f32::NAN.to_bits(), 0, 0]);
         let large = if depth as usize <= SMALL_DEPTH {
             Vec::new()
@@ -47,7 +49,7 @@ impl Stack {
         if self.large.is_empty() { self.small.as_mut_ptr().cast() } else { self.large.as_mut_ptr().cast() }
     }
 
-    /// Every slot's lowest entry, bytes.
+    /// The offset of every slot's lowest entry, in bytes.
     #[inline(always)]
     pub(super) fn bottoms(&self) -> Each<u32> {
         let mut bottoms = Each([0; SLOTS]);
@@ -58,6 +60,7 @@ impl Stack {
     }
 }
 
+/// Lets each of the 16 rays of `group` visit the node that was read for it, and reads the next one.
 #[inline(always)]
 pub(super) fn step<S: Simd, N: LaneNodes>(
     s: S,
@@ -77,14 +80,14 @@ pub(super) fn step<S: Simd, N: LaneNodes>(
     let exit = s.smaller(limit, s.load(&slots.exit.0[at..]));
     let top = s.load_u32(&slots.top.0[at..]);
 
-    // 1. Which lanes still look at their node: what lies behind the best hit is passed over.
+    // 1. Lanes whose node lies behind the ray's limit do not visit it.
     let here = live & s.le(enter, limit);
     let inner = here & !node.leaf;
     count(|c| {
         let visited = u64::from(s.bits(here).count_ones());
         (c.nodes, c.ray_nodes, c.node_lanes) = (c.nodes + visited, c.ray_nodes + visited, c.node_lanes + 16);
     });
-    // 2. Leaves and T-references wait in the queue; their lanes go on.
+    // 2. Leaves and T-references go into the queue, and their lanes go on without waiting for the tests.
     let numbers = s.load_u32(&SLOT_NUMBERS[at..]);
     queue.push_leaves(s, here & node.leaf & node.filled, numbers, address);
     if N::T_REFERENCES {
@@ -95,7 +98,7 @@ pub(super) fn step<S: Simd, N: LaneNodes>(
         }
     }
 
-    // 3. Inner nodes: where the ray meets the plane's slab, and which children that means.
+    // 3. At inner nodes: where the ray meets the plane's slab, and so which children it enters.
     let LaneStep { axis, split, left, right, .. } = node;
     let (is_y, is_z) = (s.eq_u32(axis, s.u32s(1)), s.eq_u32(axis, s.u32s(2)));
     let origin = along(s, is_y, is_z, &slots.plane_origin, at);
@@ -108,7 +111,8 @@ pub(super) fn step<S: Simd, N: LaneNodes>(
     let both = inner & !near_only & !far_only;
     let down = s.lt(inverse, s.f32s(0.0));
     let (near, far) = (s.select_u32(down, right, left), s.select_u32(down, left, right));
-    // 4. Every lane reads the entry on top of its stack and writes its far child above it; the masks below say which of both counts.
+    // 4. Every lane reads the entry on top of its stack and writes its far child above it. The masks decide afterwards: lanes that enter
+    //    both children keep what they wrote, lanes that do not go down use what they read, and for the others neither counts.
     let top_at = &slots.top.0[at..];
     // SAFETY: a ray has at most as many entries as the tree is deep, and there are guards below and above.
     let [popped, popped_enter, popped_exit, _] = unsafe {
@@ -119,7 +123,7 @@ pub(super) fn step<S: Simd, N: LaneNodes>(
     };
     let (popped_enter, popped_exit) = (s.cast_f32(popped_enter), s.cast_f32(popped_exit));
 
-    // Lanes that do not descend pop their stack.
+    // Lanes at a leaf, or at a node that they do not visit, pop their stack. A ray ends where the entry begins behind its `cut`.
     let pop = live & !inner;
     let emptied = pop & !s.le(popped_enter, s.load(&slots.cut.0[at..]));
     slots.live[group] &= !s.bits(emptied);
@@ -133,14 +137,14 @@ pub(super) fn step<S: Simd, N: LaneNodes>(
     s.store_u32(s.select_u32(inner, descended, popped), &mut slots.address.0[at..]);
     s.store(s.select(inner, enter, popped_enter), &mut slots.enter.0[at..]);
     s.store(s.select(inner, narrowed, popped_exit), &mut slots.exit.0[at..]);
-    // Read here for the next step: the other group's step hides the memory's latency.
+    // 6. Read the next nodes now: the other group's step hides the latency of memory.
     // SAFETY: the tree fits lanes. Every slot's address is the root's, a child's or one popped, and idle slots keep their last one.
     let (lower, upper) = unsafe { nodes.fetch(s, &slots.address.0[at..]) };
     s.store_u32(lower, &mut slots.lower.0[at..]);
     s.store_u32(upper, &mut slots.upper.0[at..]);
 }
 
-/// A group's values along each lane's axis.
+/// The values of a group on the axis of each lane's split plane.
 #[inline(always)]
 fn along<S: Simd>(s: S, is_y: S::M, is_z: S::M, of: &[Each<f32>; 3], at: usize) -> S::F {
     let (x, y, z) = (s.load(&of[0].0[at..]), s.load(&of[1].0[at..]), s.load(&of[2].0[at..]));
