@@ -26,7 +26,8 @@ fn work(args: &Args) -> Result<()> {
     let printed = std::io::stdout().write_all(report::table(&report).as_bytes());
     if let Some(path) = &args.json {
         let text = serde_json::to_string_pretty(&report)?;
-        std::fs::write(path, text).with_context(|| format!("{} cannot be written", path.display()))?;
+        slimkd_util::whole_file::write(path, text.as_bytes())
+            .with_context(|| format!("{} cannot be written", path.display()))?;
         eprintln!("all figures are in {}", path.display());
     }
     match printed {

@@ -241,7 +241,7 @@ fn buffers_under_many_names() {
             .replace("data:;base64,", uri)
             .replace(r#""byteLength": 0"#, r#""byteLength": 36"#);
         fs::write(folder.path().join("m.gltf"), json).unwrap();
-        let scene = load(&folder.path().join("m.gltf"));
+        let scene = load(folder.path().join("m.gltf"));
         assert_eq!(scene.unwrap_or_else(|error| panic!("{uri}: {error}")).mesh.len(), 1);
     }
     let data = STANDARD.encode(floats(&TRIANGLE));

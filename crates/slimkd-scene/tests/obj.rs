@@ -1,7 +1,7 @@
 //! OBJ files and their materials.
 
 use glam::Vec3;
-use slimkd_scene::{Format, LoadError, LoadProgress, Place, Scene, load, load_bytes};
+use slimkd_scene::{Format, LoadError, LoadOptions, LoadProgress, Place, Scene, load_bytes, load_with};
 use std::fs;
 
 fn parse(text: &str) -> Scene {
@@ -65,7 +65,7 @@ fn materials_and_textures_come_from_beside_the_file() {
     )
     .unwrap();
     let progress = LoadProgress::new();
-    let scene = load(at("scene.obj")).unwrap();
+    let scene = load_with(at("scene.obj"), &LoadOptions::new(), &progress).unwrap();
     assert_eq!(progress.fraction(), 1.0);
     assert_eq!(scene.name, "scene");
     assert_eq!(scene.material_ids, [0, 1, 2, 1, 3, 4, 5]);

@@ -268,7 +268,7 @@ fn the_shared_cases_come_out_right() {
         ("vertex-colours.ply", 2),
     ];
     for (name, triangles) in cases {
-        let scene = load(&folder.join(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let scene = load(folder.join(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
         assert_eq!(scene.mesh.len(), triangles, "{name}");
         match name {
             "concave-polygon.obj" => assert!((area(&scene) - 0.6667).abs() < 1e-4),

@@ -22,7 +22,7 @@ fn real_scenes_have_their_triangles() {
         ("stk_candela_city", 445_022),
         ("scan_stanford_bunny", 69_451),
     ] {
-        let scene = load(&folder.join(name).with_extension("ply.zst")).unwrap();
+        let scene = load(folder.join(name).with_extension("ply.zst")).unwrap();
         assert_eq!((scene.name.as_str(), scene.mesh.len()), (name, triangles));
     }
 }

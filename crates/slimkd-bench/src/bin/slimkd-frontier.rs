@@ -46,5 +46,6 @@ fn work(args: &Args) -> Result<()> {
     let size =
         if args.resident { "bytes a triangle, mesh included" } else { "bytes a triangle beside the mesh" };
     let svg = frontier::frontier(&panels, &format!("{} rays, million a second", args.workload), size);
-    std::fs::write(&args.output, svg).with_context(|| format!("{} cannot be written", args.output.display()))
+    slimkd_util::whole_file::write(&args.output, svg.as_bytes())
+        .with_context(|| format!("{} cannot be written", args.output.display()))
 }

@@ -6,10 +6,11 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 /// Shared between a running load and whoever watches it.
 ///
 /// ```
-/// let progress = slimkd_scene::LoadProgress::new();
+/// use slimkd_scene::{LoadError, LoadOptions, LoadProgress, load_with};
+/// let progress = LoadProgress::new();
 /// progress.cancel();
-/// let error = slimkd_scene::load("missing.ply".as_ref(), &progress).unwrap_err();
-/// assert!(matches!(error, slimkd_scene::LoadError::Cancelled));
+/// let error = load_with("missing.ply", &LoadOptions::new(), &progress).unwrap_err();
+/// assert!(matches!(error, LoadError::Cancelled));
 /// ```
 #[derive(Debug, Default)]
 pub struct LoadProgress {

@@ -1,4 +1,4 @@
-//! What a file's extensions change: https://github.com/KhronosGroup/glTF/tree/main/extensions.
+//! What a file's extensions change: <https://github.com/KhronosGroup/glTF/tree/main/extensions>.
 
 /// How much of an extension is followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

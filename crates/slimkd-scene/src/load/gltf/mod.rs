@@ -1,6 +1,6 @@
 //! glTF 2.0, as JSON or GLB: a scene, flattened in depth-first order of its nodes.
 //!
-//! Followed is the specification, https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html, and the extensions that
+//! Followed is the specification, <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html>, and the extensions that
 //! `extensions.rs` lists. Deviations:
 //! 1. Files that break a rule without leaving a doubt are read: zeros as padding of the JSON, chunks that are not padded,
 //!    whole numbers as `3.0`, names that were not percent-encoded, base64 without padding or with line ends.
