@@ -15,7 +15,11 @@ pub struct Attribute<T> {
 }
 
 impl<T: Copy> Attribute<T> {
-    /// The three corners' values of triangle `id`, whose vertices are `corners`.
+    /// The values at the three corners of triangle `id`, in the order that [`slimkd::Hit::interpolate`] takes. `corners` are its vertex
+    /// indices, from [`TriangleMesh::triangles`] or [`slimkd::OpenTree::triangle`]. `None` where the triangle has no such attribute.
+    ///
+    /// # Panics
+    /// When the attribute has indices of its own and none for this id.
     pub fn corners(&self, id: u32, corners: [u32; 3]) -> Option<[T; 3]> {
         let index = self.indices.as_ref().map_or(corners, |indices| indices[id as usize]);
         let value = |k: usize| self.values.get(index[k] as usize).copied();

@@ -51,8 +51,8 @@ impl Queue {
         self.pairs += s.compress(which, triangle, &mut self.pair_triangle[at..]);
     }
 
-    /// Does nothing while less than 16 leaves and 16 pairs wait. Else it reads all leaves, and tests pairs as long as there are 16 of
-    /// them. With `all`, it goes on until nothing waits.
+    /// Does nothing while fewer than 16 leaves and fewer than 16 pairs wait. Else it reads all leaves, and tests pairs as long as there
+    /// are 16 of them. With `all`, it goes on until nothing waits.
     ///
     /// One loop has one place for each kind of work, because all of it is inlined: with a call in several places, the crate took
     /// six times as long to compile.

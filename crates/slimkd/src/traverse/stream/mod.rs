@@ -1,7 +1,7 @@
 //! Streams: one ray in each lane, for rays in any order.
 //!
-//! Source: none that does the same. One ray in each lane, with lanes that are refilled, is how GPUs trace (Aila & Laine 2009, *Understanding
-//! the Efficiency of Ray Traversal on GPUs*, persistent threads); collecting leaf work until it fills vectors follows the
+//! Source: none that does the same. One ray in each lane, with lanes that are refilled, is how GPUs trace (Aila & Laine 2009,
+//! *Understanding the Efficiency of Ray Traversal on GPUs*, persistent threads); collecting leaf work until it fills vectors follows the
 //! idea of Tsakok 2009 (*Faster Incoherent Rays: Multi-BVH Ray Stream Tracing*).
 //!
 //! 32 rays are in flight, in two groups of 16 lanes that take turns. In a turn each ray visits one node (`walk.rs`). A ray
