@@ -3,7 +3,7 @@
 use crate::bench::built::Interface;
 use crate::bench::variant::Variant;
 use crate::workload::Kind;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use clap::{Parser, ValueEnum};
 use slimkd::{InstructionSet, Preset};
 use slimkd_scene::UpAxis;
@@ -145,7 +145,7 @@ impl Args {
             return Ok(presets);
         };
         for name in names {
-            let preset: Preset = name.parse().context("in --presets")?;
+            let preset: Preset = name.parse().map_err(|error| anyhow::anyhow!("--presets: {error}"))?;
             if !presets.contains(&preset) {
                 presets.push(preset);
             }
