@@ -2,6 +2,8 @@
 
 use crate::failure::Failure;
 use crate::interrupt::{self, Interruptible};
+use crate::ui::{Ui, grouped};
+use slimkd::TriangleMesh;
 use slimkd_util::whole_file;
 use std::fs::{self, File, OpenOptions};
 use std::io::{BufWriter, ErrorKind, Write};
@@ -63,6 +65,16 @@ impl Output {
         }
         let file = OpenOptions::new().write(true).open(&path).map_err(|error| unwritable(&path, &error))?;
         Ok(Draft::InPlace(BufWriter::new(Interruptible(file)), path))
+    }
+
+    /// Writes a mesh as PLY and says so; `path` is the name that the user gave.
+    pub(crate) fn write_ply(&self, mesh: &TriangleMesh, path: &Path, ui: Ui) -> Result<(), Failure> {
+        let mut draft = self.draft()?;
+        slimkd_scene::write_ply(mesh, &mut draft).map_err(|error| unwritable(path, &error))?;
+        draft.commit()?;
+        let (triangles, vertices) = (grouped(mesh.len() as u64), grouped(mesh.vertices().len() as u64));
+        ui.note(format_args!("wrote {}: {triangles} triangles, {vertices} vertices", path.display()));
+        Ok(())
     }
 
     fn beside(&self) -> Result<NamedTempFile, Failure> {

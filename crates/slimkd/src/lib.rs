@@ -41,8 +41,8 @@
 //!
 //! # Ambient occlusion, shadows and other rays that start on a surface
 //!
-//! Leave out the triangle that a ray starts on, instead of moving `t_min`: no near hit is lost, and batches stay as fast. A shadow ray
-//! towards a light at a finite distance has the direction `light − start` and the range `[0, 1]`, since `t` counts in units of the
+//! Leave out the triangle that a ray starts on, instead of moving `t_min`: no near hit is lost, and no ray of a batch is
+//! traced twice. A shadow ray towards a light at a finite distance has the direction `light − start` and the range `[0, 1]`, since `t` counts in units of the
 //! direction. The range includes 1: where the light is itself a triangle of the mesh, end the range a little earlier, or leave
 //! that triangle out by [`Batch::filter`].
 //!

@@ -2,9 +2,9 @@
 
 use crate::args::{MoreScenes, SceneArgs};
 use crate::failure::Failure;
-use crate::output::{Output, unwritable};
+use crate::output::Output;
 use crate::scenes;
-use crate::ui::{Ui, grouped};
+use crate::ui::Ui;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -40,15 +40,5 @@ pub(crate) fn run(args: &ConvertArgs, ui: Ui) -> Result<(), Failure> {
         .apart_from(scenes::files(&args.scene.scene, &args.scene.details))?
         .apart_from(args.more.more.iter().map(PathBuf::as_path))?;
     let scene = scenes::load_all(&args.scene.scene, &args.more.more, &args.scene.details, ui)?.scene;
-    let mut draft = output.draft()?;
-    slimkd_scene::write_ply(&scene.mesh, &mut draft).map_err(|error| unwritable(path, &error))?;
-    draft.commit()?;
-    let (triangles, vertices) = (scene.mesh.len() as u64, scene.mesh.vertices().len() as u64);
-    ui.note(format_args!(
-        "wrote {}: {} triangles, {} vertices",
-        path.display(),
-        grouped(triangles),
-        grouped(vertices)
-    ));
-    Ok(())
+    output.write_ply(&scene.mesh, path, ui)
 }

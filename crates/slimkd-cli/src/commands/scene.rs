@@ -2,8 +2,8 @@
 
 use crate::args::triangles;
 use crate::failure::Failure;
-use crate::output::{Output, unwritable};
-use crate::ui::{Ui, grouped};
+use crate::output::Output;
+use crate::ui::Ui;
 use crate::{scenes, ui};
 use clap::Args;
 use std::num::NonZeroU32;
@@ -45,15 +45,5 @@ pub(crate) fn run(args: &SceneCommandArgs, ui: Ui) -> Result<(), Failure> {
     }
     let output = Output::prepare(path)?;
     let scene = scenes::built_in(name, args.triangles, ui)?.scene;
-    let mut draft = output.draft()?;
-    slimkd_scene::write_ply(&scene.mesh, &mut draft).map_err(|error| unwritable(path, &error))?;
-    draft.commit()?;
-    let (triangles, vertices) = (scene.mesh.len() as u64, scene.mesh.vertices().len() as u64);
-    ui.note(format_args!(
-        "wrote {}: {} triangles, {} vertices",
-        path.display(),
-        grouped(triangles),
-        grouped(vertices)
-    ));
-    Ok(())
+    output.write_ply(&scene.mesh, path, ui)
 }

@@ -63,7 +63,8 @@ impl<'a> Batch<'a> {
     }
 
     /// Leaves out one triangle for each ray: the one that the ray starts on. `triangles` has one id for each ray of the batch, in the
-    /// batch's order; `u32::MAX` leaves out none. Batches with it are as fast as without.
+    /// batch's order; `u32::MAX` leaves out none. The kernels themselves leave it out: no ray is
+    /// traced again.
     ///
     /// ```
     /// use slimkd::{BuildOptions, KdTree, Ray, Tracer, TriangleMesh};
