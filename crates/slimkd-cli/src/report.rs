@@ -288,6 +288,10 @@ fn choices(tree: &Tree) -> String {
         Layout::Dense if tree.statistics.leaf_references.other == 0 => {
             ", 2-byte leaves (the dense layout cannot hold it)"
         }
+        Layout::Wide if tree.statistics.leaf_references.other == 0 => {
+            ", 2-byte leaves (the wide layout cannot hold it)"
+        }
+        Layout::Wide => ", wide layout",
         _ => ", dense layout",
     });
     out

@@ -8,6 +8,7 @@
 //!
 //! Read `builder.rs` first: it has these steps in order.
 
+pub(crate) mod boxes;
 mod builder;
 mod grow;
 mod pace;

@@ -2,6 +2,7 @@
 
 use super::table::Entry;
 use super::{FileError, damaged};
+use crate::layout::WideNode;
 use crate::layout::plain::Packed;
 use std::borrow::Cow;
 use std::io::{ErrorKind, Read};
@@ -14,6 +15,11 @@ const STEP: usize = 1 << 22;
 /// What arrays hold: words of [`Words::WORD`] bytes, in the machine's order.
 pub(super) trait Words: bytemuck::Pod {
     const WORD: usize;
+
+    /// Turns the machine's order into the file's, or back, on machines whose order is the other one.
+    fn swap(items: &mut [Self]) {
+        bytemuck::cast_slice_mut::<_, u8>(items).chunks_exact_mut(Self::WORD).for_each(<[u8]>::reverse);
+    }
 }
 
 impl Words for u8 {
@@ -35,20 +41,22 @@ impl Words for Packed {
     const WORD: usize = 8;
 }
 
-/// Turns the machine's order into the file's, or back.
-fn swap(bytes: &mut [u8], word: usize) {
-    if cfg!(target_endian = "big") {
-        bytes.chunks_exact_mut(word).for_each(<[u8]>::reverse);
+impl Words for WideNode {
+    const WORD: usize = 1;
+
+    fn swap(items: &mut [Self]) {
+        items.iter_mut().for_each(|node| *node = node.swapped());
     }
 }
 
 /// The items as the file has them.
 pub(super) fn le_bytes<T: Words>(items: &[T]) -> Cow<'_, [u8]> {
-    let mut bytes = Cow::Borrowed(bytemuck::cast_slice(items));
     if cfg!(target_endian = "big") {
-        swap(bytes.to_mut(), T::WORD);
+        let mut swapped = items.to_vec();
+        T::swap(&mut swapped);
+        return Cow::Owned(bytemuck::cast_slice(&swapped).to_vec());
     }
-    bytes
+    Cow::Borrowed(bytemuck::cast_slice(items))
 }
 
 /// A section whose bytes come next.
@@ -91,7 +99,9 @@ impl<'a, R: Read> Section<'a, R> {
             let bytes = bytemuck::cast_slice_mut(&mut items[start..]);
             self.from.read_exact(bytes).map_err(truncated)?;
             self.hash.update(bytes);
-            swap(bytes, T::WORD);
+            if cfg!(target_endian = "big") {
+                T::swap(&mut items[start..]);
+            }
             left -= step as u64;
         }
         self.finish()?;

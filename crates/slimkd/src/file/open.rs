@@ -1,7 +1,7 @@
 //! A `.skd` file as it lies in memory, mapped or read. It is traced without being proved first, so every access is checked.
 
 use super::bytes::Section;
-use super::sections::{DENSE, INDICES_2BYTE, INDICES_4BYTE, NODES};
+use super::sections::{DENSE, INDICES_2BYTE, INDICES_4BYTE, NODES, WIDE_LEAVES, WIDE_NODES};
 use super::shape::{self, Shape};
 use super::table::{Entry, Kind, Table};
 use super::{FileError, damaged, options};
@@ -10,10 +10,13 @@ use crate::job::Progress;
 use crate::layout::checked::{CheckedMesh, Guard};
 use crate::layout::dense::CheckedDense;
 use crate::layout::plain::CheckedPlain;
-use crate::layout::{Nodes, Planes};
+use crate::layout::wide::CheckedWide;
+use crate::layout::{Nodes, Planes, WideNode, WideNodes};
 use crate::options::BuildOptions;
 use crate::query::{BatchJob, Tracer, Walk, tracer};
-use crate::traverse::{Conditions, NearestPoint, PreparedRay, Search, Sink, Traced, search_tree, traverse};
+use crate::traverse::{
+    Conditions, NearestPoint, PreparedRay, Search, Sink, Traced, search_tree, search_wide, traverse, walk_exactly,
+};
 use crate::tree::KdTree;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -94,6 +97,7 @@ struct Sections {
 enum Layout {
     Plain { nodes: Range<usize>, indices_4byte: Range<usize>, indices_2byte: Range<usize> },
     Dense { bytes: Range<usize>, planes: Planes },
+    Wide { nodes: Range<usize>, leaves: Range<usize>, planes: Planes },
 }
 
 impl<B: AsRef<[u8]>> OpenTree<B> {
@@ -112,6 +116,7 @@ impl<B: AsRef<[u8]>> OpenTree<B> {
         }
         let (mut build_options, mut shape) = (None, None);
         let [mut vertices, mut triangles, mut nodes, mut wide, mut narrow, mut dense] = [const { None }; 6];
+        let [mut wide_nodes, mut wide_leaves] = [const { None }; 2];
         for entry in &table.entries {
             let range = entry.offset as usize..(entry.offset + entry.length) as usize;
             match entry.kind {
@@ -123,6 +128,8 @@ impl<B: AsRef<[u8]>> OpenTree<B> {
                 INDICES_4BYTE => wide = Some(range),
                 INDICES_2BYTE => narrow = Some(range),
                 DENSE => dense = Some(range),
+                WIDE_NODES => wide_nodes = Some(range),
+                WIDE_LEAVES => wide_leaves = Some(range),
                 Kind(other) => return Err(FileError::UnknownSection(other)),
             }
         }
@@ -139,16 +146,25 @@ impl<B: AsRef<[u8]>> OpenTree<B> {
         if shape.depth > DEEPEST {
             return damaged("it is too deep to be traced before it is proved");
         }
-        let layout = match (nodes, dense) {
-            (Some(nodes), None) => Layout::Plain {
+        let no_ids = wide.is_none() && narrow.is_none();
+        let count = triangles.len() / 12;
+        let misfit = "its layout does not fit the mesh";
+        let layout = match (nodes, dense, wide_nodes, wide_leaves) {
+            (Some(nodes), None, None, None) => Layout::Plain {
                 nodes,
                 indices_4byte: wide.unwrap_or_default(),
                 indices_2byte: narrow.unwrap_or_default(),
             },
-            (None, Some(bytes)) if wide.is_none() && narrow.is_none() => {
-                match CheckedDense::grid(bytes.len(), &shape.bounds, triangles.len() / 12) {
+            (None, Some(bytes), None, None) if no_ids => {
+                match CheckedDense::grid(bytes.len(), &shape.bounds, count) {
                     Some(planes) => Layout::Dense { bytes, planes },
-                    None => return damaged("its layout does not fit the mesh"),
+                    None => return damaged(misfit),
+                }
+            }
+            (None, None, Some(nodes), Some(leaves)) if no_ids => {
+                match CheckedWide::grid(leaves.len(), &shape.bounds, count) {
+                    Some(planes) => Layout::Wide { nodes, leaves, planes },
+                    None => return damaged(misfit),
                 }
             }
             _ => return damaged("it has no tree, or two"),
@@ -221,7 +237,7 @@ tracer!(Opened<'_>);
 
 /// Runs `$body` with `$nodes` bound to a view that checks every access, whichever layout the tree has.
 macro_rules! with_checked_nodes {
-    ($opened:expr, $nodes:ident => $body:expr) => {{
+    ($opened:expr, $nodes:ident => $body:expr, $wide:ident => $other:expr $(,)?) => {{
         let opened = $opened;
         let sections = opened.tree;
         match &sections.layout {
@@ -244,6 +260,20 @@ macro_rules! with_checked_nodes {
                 let triangles = sections.triangles.len() / 12;
                 let $nodes = CheckedDense::new(opened.part(bytes), triangles, planes, opened.mesh(), &guard);
                 $body;
+                opened.remember(&guard);
+            }
+            Layout::Wide { nodes, leaves, planes } => {
+                let guard =
+                    Guard::new((nodes.len() / size_of::<WideNode>()) as u64, 8 * leaves.len() as u64);
+                let $wide = CheckedWide {
+                    nodes: opened.part(nodes),
+                    leaves: opened.part(leaves),
+                    grid: planes,
+                    triangles: sections.triangles.len() / 12,
+                    mesh: opened.mesh(),
+                    guard: &guard,
+                };
+                $other;
                 opened.remember(&guard);
             }
         }
@@ -282,12 +312,16 @@ impl Walk for Opened<'_> {
             if let Some(prepared) = PreparedRay::new(ray, &shape.bounds, &nodes.planes()) {
                 traverse(nodes, shape.depth, &prepared, sink);
             }
+        }, wide => {
+            if let Some(prepared) = PreparedRay::new(ray, &shape.bounds, &wide.planes()) {
+                walk_exactly(wide, &prepared, sink);
+            }
         });
     }
 
     fn search(&self, search: &mut Search<'_>) {
         let Shape { depth, ref bounds, .. } = self.tree.shape;
-        with_checked_nodes!(self, nodes => search_tree(Traced { nodes, depth, bounds }, search));
+        with_checked_nodes!(self, nodes => search_tree(Traced { nodes, depth, bounds }, search), wide => search_wide(wide, search));
     }
 }
 

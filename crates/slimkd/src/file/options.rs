@@ -139,6 +139,7 @@ pub(super) fn get(mut block: &[u8]) -> Option<BuildOptions> {
             0 => Layout::FourByte,
             1 => Layout::TwoByte,
             2 => Layout::Dense,
+            3 => Layout::Wide,
             _ => return None,
         },
         hoisting,
@@ -165,7 +166,7 @@ mod tests {
         let mut all = Vec::new();
         for &preset in Preset::ALL {
             for clipping in [Clipping::Exact, Clipping::ExactFrom(7), Clipping::Box] {
-                for layout in [Layout::FourByte, Layout::TwoByte, Layout::Dense] {
+                for layout in [Layout::FourByte, Layout::TwoByte, Layout::Dense, Layout::Wide] {
                     for algorithm in [None, Some(HoistAlgorithm::Strip), Some(HoistAlgorithm::Rebuild)] {
                         let hoisting = algorithm.map(|algorithm| Hoisting {
                             occupancy: 0.125,

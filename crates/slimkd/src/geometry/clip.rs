@@ -49,6 +49,18 @@ impl Polygon {
         }
     }
 
+    /// Itself where it has at most four corners, else triangles that it consists of.
+    pub(crate) fn fan(self) -> impl Iterator<Item = Self> {
+        let small = self.len <= 4;
+        let whole = small.then_some(self);
+        let triangles = if small { 1..1 } else { 1..self.len - 1 };
+        whole.into_iter().chain(triangles.map(move |k| {
+            let mut corners = [[0.0; 3]; MOST_CORNERS];
+            (corners[0], corners[1], corners[2]) = (self.corners[0], self.corners[k], self.corners[k + 1]);
+            Self { corners, len: 3 }
+        }))
+    }
+
     pub(crate) fn corners(&self) -> &[[f64; 3]] {
         &self.corners[..self.len.min(MOST_CORNERS)]
     }

@@ -106,6 +106,28 @@ impl Shear {
         self.intersect::<Z>(corners)
     }
 
+    /// `false` only where the ray certainly misses the triangle. Where it may hit, [`Shear::decide`] tells.
+    #[inline(always)]
+    pub(crate) fn may_hit(&self, corners: &[[f32; 3]; 3]) -> bool {
+        !self.sheared(corners).certainly_missed()
+    }
+
+    /// The test of a triangle that may be hit.
+    #[inline(always)]
+    pub(crate) fn decide(&self, corners: &[[f32; 3]; 3]) -> Option<Intersection> {
+        self.sheared(corners).finish(self.along)
+    }
+
+    /// [`Shear::apply`] where the longest axis is not a constant.
+    #[inline(always)]
+    fn sheared(&self, corners: &[[f32; 3]; 3]) -> Sheared {
+        match self.axes[2] {
+            0 => self.apply::<0>(corners),
+            1 => self.apply::<1>(corners),
+            _ => self.apply::<2>(corners),
+        }
+    }
+
     #[inline(always)]
     fn apply<const Z: usize>(&self, corners: &[[f32; 3]; 3]) -> Sheared {
         let (kx, ky) = ((Z + 1) % 3, (Z + 2) % 3);

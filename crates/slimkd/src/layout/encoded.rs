@@ -2,6 +2,7 @@
 
 use super::dense::{self, Dense};
 use super::plain::{self, Plain};
+use super::wide::Wide;
 use crate::geometry::Aabb;
 use crate::job::Job;
 use crate::options::{BuildError, Layout};
@@ -40,6 +41,19 @@ pub enum EncodedTree<'a> {
         /// How far a plane may stand from where it was chosen, scene units.
         cell: [f32; 3],
     },
+    /// Nodes of 16 child boxes; the root is node 0. Bits: `layout/wide/node.rs` and `leaf.rs`.
+    Wide {
+        /// 256 bytes a node.
+        nodes: &'a [[u8; 256]],
+        /// Leaves; the last 8 bytes are padding.
+        leaves: &'a [u8],
+        /// Bytes of a leaf's header.
+        header_bytes: u32,
+        /// A place in grid units is `(x - low) · scale`.
+        low: [f32; 3],
+        /// Powers of two, one over scene units.
+        scale: [f32; 3],
+    },
 }
 
 /// The tree that a plan becomes: its bytes in one of the layouts.
@@ -47,6 +61,7 @@ pub enum EncodedTree<'a> {
 pub(crate) enum Encoded {
     Plain(Plain),
     Dense(Dense),
+    Wide(Wide),
 }
 
 impl Encoded {
@@ -58,6 +73,7 @@ impl Encoded {
                 8 * plain.nodes.len() as u64 + 4 * wide + 2 * narrow
             }
             Self::Dense(dense) => dense.bytes.len() as u64,
+            Self::Wide(wide) => wide.bytes(),
         }
     }
 
@@ -70,6 +86,13 @@ impl Encoded {
                 indices_2byte: &plain.indices_2byte,
             },
             Self::Dense(dense) => dense.view(),
+            Self::Wide(wide) => EncodedTree::Wide {
+                nodes: bytemuck::cast_slice(&wide.nodes),
+                leaves: &wide.leaves,
+                header_bytes: wide.code.header_bytes(),
+                low: wide.grid.low,
+                scale: wide.grid.scale,
+            },
         }
     }
 }
@@ -77,7 +100,12 @@ impl Encoded {
 /// The layout that a plan is written in: [`Layout::TwoByte`] where the dense one cannot hold it.
 fn layout_of(plan: &Plan, bounds: &Aabb, asked: Layout) -> Layout {
     let fits = plan.hoisted.is_empty() && dense::holds(bounds);
-    if asked == Layout::Dense && !fits { Layout::TwoByte } else { asked }
+    match asked {
+        Layout::Dense | Layout::Wide if !fits => Layout::TwoByte,
+        // A plan of planes is no tree of boxes: `pipeline.rs` makes wide trees otherwise.
+        Layout::Wide => Layout::Dense,
+        asked => asked,
+    }
 }
 
 /// Writes a plan over a job's mesh, in the layout that its options ask for if that can hold it.

@@ -28,6 +28,20 @@ impl<'a> MeshView<'a> {
         }
     }
 
+    /// Where the corners of a triangle stand.
+    ///
+    /// # Safety
+    /// The mesh must have it.
+    #[inline(always)]
+    pub(crate) unsafe fn corner_pointers(self, triangle: u32) -> [*const [f32; 3]; 3] {
+        debug_assert!((triangle as usize) < self.triangles.len());
+        // SAFETY: the caller says that the triangle exists, and the mesh's vertex indices were checked when it was made.
+        unsafe {
+            let (vertices, [a, b, c]) = (self.vertices.as_ptr(), *self.triangles.get_unchecked(triangle as usize));
+            [vertices.add(a as usize), vertices.add(b as usize), vertices.add(c as usize)]
+        }
+    }
+
     /// Whether lanes can address both arrays: they count in 4-byte units below 2³¹.
     pub(crate) fn fits_lanes(self) -> bool {
         const REACH: usize = (1 << 31) / 3;

@@ -69,6 +69,9 @@ pub enum Layout {
     /// 4-byte nodes with planes on a grid, and byte-coded leaves. This layout cannot hold T-references, nor a scene whose extent is
     /// beyond 8·10^37: such trees are written as [`Layout::TwoByte`].
     Dense = 2,
+    /// Nodes of 16 child boxes in 256 bytes, and byte-coded leaves, built by splits of space and of objects. It has no T-references,
+    /// and cannot hold a scene whose extent is beyond 8·10^37: such trees are written as [`Layout::TwoByte`].
+    Wide = 3,
 }
 
 /// A bound on the bytes of a tree, as [`MemoryReport::tree`](crate::MemoryReport::tree) counts them.

@@ -61,12 +61,12 @@ impl FromStr for Clipping {
     }
 }
 
-/// `four-byte`, `two-byte` or `dense`.
+/// `four-byte`, `two-byte`, `dense` or `wide`.
 ///
 /// ```
 /// use slimkd::Layout;
 /// assert_eq!("two-byte".parse(), Ok(Layout::TwoByte));
-/// assert_eq!("eight".parse::<Layout>().unwrap_err().to_string(), "\"eight\" is no layout; use four-byte, two-byte or dense");
+/// assert_eq!("eight".parse::<Layout>().unwrap_err().to_string(), "\"eight\" is no layout; use four-byte, two-byte, dense or wide");
 /// ```
 impl fmt::Display for Layout {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -74,6 +74,7 @@ impl fmt::Display for Layout {
             Self::FourByte => "four-byte",
             Self::TwoByte => "two-byte",
             Self::Dense => "dense",
+            Self::Wide => "wide",
         })
     }
 }
@@ -86,7 +87,8 @@ impl FromStr for Layout {
             "four-byte" => Ok(Self::FourByte),
             "two-byte" => Ok(Self::TwoByte),
             "dense" => Ok(Self::Dense),
-            word => Err(UnknownName::new("layout", word, ["four-byte", "two-byte", "dense"])),
+            "wide" => Ok(Self::Wide),
+            word => Err(UnknownName::new("layout", word, ["four-byte", "two-byte", "dense", "wide"])),
         }
     }
 }

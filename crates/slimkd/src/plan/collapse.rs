@@ -32,7 +32,7 @@ impl UnitBytes {
             // Nearly all leaves of the scenes that fit use the 2-byte mode.
             Layout::TwoByte => Self { node: 8.0, reference: 2.0 },
             // An inner node takes 4 bytes and a leaf's head about 3; references took 0.5 to 1.5 bytes each on ten scenes.
-            Layout::Dense => Self { node: 3.5, reference: 1.0 },
+            Layout::Dense | Layout::Wide => Self { node: 3.5, reference: 1.0 },
         }
     }
 }

@@ -3,14 +3,18 @@
 //! `right` and `first` count from the node array's and the reference array's start, so a subtree that was built on
 //! its own is appended by shifting them.
 
+mod boxes;
 mod collapse;
 mod price;
 mod weight;
+mod widen;
 mod work;
 
+pub(crate) use boxes::{BoxNode, BoxPlan};
 pub(crate) use collapse::{Totals, UnitBytes, collapse, collapse_subtree};
 pub(crate) use price::Price;
 pub(crate) use weight::search_weight;
+pub(crate) use widen::{Child, MOST, Widened, widen};
 pub(crate) use work::{Part, Work};
 
 use crate::job::memory::copied;

@@ -155,6 +155,13 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
+    fn load_u16(self, from: &[u16]) -> F32 {
+        let from = from[..WIDTH].as_ptr();
+        // SAFETY: the token proves the instructions; 8 lanes are 16 bytes.
+        unsafe { F32(_mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_loadu_si128(from.cast())))) }
+    }
+
+    #[inline(always)]
     fn columns(self, records: &[[f32; 8]]) -> [F32; 8] {
         let records = &records[..WIDTH];
         // SAFETY: the token proves the instructions; each record is a vector long.

@@ -1,6 +1,6 @@
 //! AVX-512 (F, BW, DQ, VL): 16 lanes, masks in registers of their own.
 
-use super::{Simd, lane_at, load_row, load_two, methods, operators};
+use super::{Shear, Simd, lane_at, load_row, load_two, methods, operators};
 use std::arch::x86_64::*;
 
 const WIDTH: usize = 16;
@@ -154,6 +154,58 @@ impl Simd for Avx512 {
     #[inline(always)]
     fn bits(self, mask: Bits) -> u32 {
         mask.0.into()
+    }
+
+    #[inline(always)]
+    fn load_u16(self, from: &[u16]) -> F32 {
+        let from = from[..WIDTH].as_ptr();
+        // SAFETY: the token proves the instructions; 16 lanes are 32 bytes.
+        unsafe { F32(_mm512_cvtepi32_ps(_mm512_cvtepu16_epi32(_mm256_loadu_si256(from.cast())))) }
+    }
+    #[inline(always)]
+    fn bound_mul_add(self, a: F32, b: F32, c: F32) -> F32 {
+        // SAFETY: the token proves the instructions.
+        unsafe { F32(_mm512_fmadd_ps(a.0, b.0, c.0)) }
+    }
+    #[inline(always)]
+    unsafe fn quad(self, shear: &Shear, corners: &[[*const [f32; 3]; 3]; 4]) -> u32 {
+        // SAFETY: the token proves the instructions; the masks read three f32 of each corner.
+        unsafe {
+            // Corner `k` of four triangles, each in its own quarter: x, y, z of the ray's frame, nothing. Macros, since closures fall out
+            // of the inline chain.
+            let [kx, ky, kz] = shear.axes;
+            let frame = _mm512_broadcast_i32x4(_mm_setr_epi32(kx as i32, ky as i32, kz as i32, 3));
+            let origin =
+                _mm512_broadcast_f32x4(_mm_setr_ps(shear.origin[0], shear.origin[1], shear.origin[2], 0.0));
+            let slope = _mm512_broadcast_f32x4(_mm_setr_ps(shear.slope[0], shear.slope[1], 0.0, 0.0));
+            macro_rules! three {
+                ($k:literal, $at:literal) => {
+                    _mm_maskz_loadu_ps(0b0111, corners[$at][$k].cast())
+                };
+            }
+            macro_rules! row {
+                ($k:literal) => {{
+                    let row = _mm512_castps128_ps512(three!($k, 0));
+                    let row = _mm512_insertf32x4::<1>(row, three!($k, 1));
+                    let row = _mm512_insertf32x4::<2>(row, three!($k, 2));
+                    let row = _mm512_insertf32x4::<3>(row, three!($k, 3));
+                    let row = _mm512_permutevar_ps(_mm512_sub_ps(row, origin), frame);
+                    _mm512_sub_ps(row, _mm512_mul_ps(slope, _mm512_permute_ps::<0b10_10_10_10>(row)))
+                }};
+            }
+            let (a, b, c) = (row!(0), row!(1), row!(2));
+            // (px·qy, py·qx): the edge function is their difference, and its sign theirs in order.
+            macro_rules! below {
+                ($p:ident, $q:ident) => {{
+                    let product = _mm512_mul_ps($p, _mm512_permute_ps::<0b11_10_00_01>($q));
+                    _mm512_cmp_ps_mask::<_CMP_LT_OQ>(product, _mm512_permute_ps::<0b11_10_00_01>(product))
+                }};
+            }
+            let signs = u32::from(below!(c, b) | below!(a, c) | below!(b, a));
+            // A triangle is missed where both of its bits are set: some edge function is negative, and some positive.
+            let missed = signs & signs >> 1 & 0x1111;
+            !(missed | missed >> 3 | missed >> 6 | missed >> 9) & 0xf
+        }
     }
 
     #[inline(always)]

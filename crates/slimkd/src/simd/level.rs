@@ -81,7 +81,19 @@ impl InstructionSet {
     /// Runs a kernel with 16 lanes of it.
     #[inline]
     pub(crate) fn run<K: Kernel>(self, kernel: K) -> K::Output {
-        match self.or_below() {
+        self.or_below().run_available(kernel)
+    }
+
+    /// Runs a kernel with 16 lanes of the best: for one ray, which does not wait for a look at what the processor has.
+    #[inline]
+    pub(crate) fn run_best<K: Kernel>(kernel: K) -> K::Output {
+        Self::best().run_available(kernel)
+    }
+
+    /// Runs a kernel with 16 lanes of it. Only for what [`InstructionSet::or_below`] returned.
+    #[inline(always)]
+    fn run_available<K: Kernel>(self, kernel: K) -> K::Output {
+        match self {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `or_below` returns only what `is_available` found.
             Self::Avx512 => unsafe { run_avx512(kernel) },

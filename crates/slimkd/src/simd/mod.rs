@@ -37,6 +37,7 @@ pub(crate) use neon::Neon;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use {avx2::Avx2, avx512::Avx512, sse2::Sse2};
 
+use crate::geometry::Shear;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Shl, Shr, Sub};
 
 /// Proof that the processor has an instruction set, and its operations on vectors of [`Simd::WIDTH`] lanes.
@@ -90,6 +91,35 @@ pub(crate) trait Simd: Copy + Send + Sync + 'static {
 
     /// The first records of a slice as columns: lane `i` of column `k` is `records[i][k]`. Panics when it is shorter.
     fn columns(self, records: &[[f32; 8]]) -> [Self::F; 8];
+
+    /// The first lanes of a slice of u16, as f32. Panics when it is shorter.
+    #[inline(always)]
+    fn load_u16(self, from: &[u16]) -> Self::F {
+        let mut lanes = [0.0; 16];
+        for (to, &from) in lanes.iter_mut().zip(&from[..Self::WIDTH]) {
+            *to = f32::from(from);
+        }
+        self.load(&lanes)
+    }
+    /// `a · b + c`, rounded once or twice: the only operation whose result may differ between levels. It is for bounds alone.
+    #[inline(always)]
+    fn bound_mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
+        a * b + c
+    }
+
+    /// Which of four triangles a ray may hit, a bit each, decided as [`Shear::may_hit`] does.
+    ///
+    /// # Safety
+    /// Every pointer must be that of a corner: three f32.
+    #[inline(always)]
+    unsafe fn quad(self, shear: &Shear, corners: &[[*const [f32; 3]; 3]; 4]) -> u32 {
+        let mut hits = 0;
+        for (k, triangle) in corners.iter().enumerate() {
+            // SAFETY: the caller's promise.
+            hits |= u32::from(shear.may_hit(&triangle.map(|corner| unsafe { *corner }))) << k;
+        }
+        hits
+    }
 
     /// `a` where it is the larger, else `b`: as `prepared::larger`, so a NaN in `a` is passed over.
     fn larger(self, a: Self::F, b: Self::F) -> Self::F;

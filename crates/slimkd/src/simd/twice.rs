@@ -1,6 +1,6 @@
 //! Two vectors as one of twice the width.
 
-use super::Simd;
+use super::{Shear, Simd};
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Shl, Shr, Sub};
 
 /// Twice as many lanes: the lower half first.
@@ -92,6 +92,20 @@ impl<S: Simd> Simd for Twice<S> {
     fn load_u32(self, from: &[u32]) -> Self::U {
         let from = &from[..Self::WIDTH];
         Pair(self.0.load_u32(from), self.0.load_u32(&from[S::WIDTH..]))
+    }
+    #[inline(always)]
+    fn load_u16(self, from: &[u16]) -> Self::F {
+        let from = &from[..Self::WIDTH];
+        Pair(self.0.load_u16(from), self.0.load_u16(&from[S::WIDTH..]))
+    }
+    #[inline(always)]
+    fn bound_mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
+        Pair(self.0.bound_mul_add(a.0, b.0, c.0), self.0.bound_mul_add(a.1, b.1, c.1))
+    }
+    #[inline(always)]
+    unsafe fn quad(self, shear: &Shear, corners: &[[*const [f32; 3]; 3]; 4]) -> u32 {
+        // SAFETY: the caller's promise.
+        unsafe { self.0.quad(shear, corners) }
     }
     #[inline(always)]
     fn store(self, x: Self::F, to: &mut [f32]) {

@@ -32,6 +32,8 @@ impl Costed {
 }
 
 impl Sink for Costed {
+    const MEASURED: bool = true;
+
     fn offer(&mut self, found: Intersection, triangle: u32) -> bool {
         self.sink.offer(found, triangle)
     }

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `prepared.rs` | what a ray carries, and the proof that no hit is lost at a split plane |
 //! | `single.rs` | the walk of one ray |
+//! | `wide.rs` | the walk of one ray through wide nodes |
 //! | `sink.rs`, `conditions.rs` | what a query does with hits, and which of them count |
 //! | `stream/` | batches in any order: a ray in each lane |
 //! | `packet/` | coherent batches: 64 rays share one walk |
@@ -19,18 +20,20 @@ mod prepared;
 mod single;
 mod sink;
 mod stream;
+mod wide;
 
 pub(crate) use conditions::{Conditions, RayConditions};
 pub(crate) use cost::Costed;
 pub use cost::RayCost;
 pub use counters::Counters;
 pub use nearest::NearestPoint;
-pub(crate) use nearest::{Search, search_tree};
+pub(crate) use nearest::{Search, search_tree, search_wide};
 pub(crate) use packet::{AnyHits, ClosestHits, finish as finish_strays};
 pub(crate) use prepared::PreparedRay;
 pub(crate) use single::traverse;
 pub(crate) use sink::{Any, Closest, Filtered, First, Sink};
 pub(crate) use stream::Stream;
+pub(crate) use wide::{WideAnyHits, WideClosestHits, WideWalk, walk_exactly};
 
 use crate::geometry::Aabb;
 

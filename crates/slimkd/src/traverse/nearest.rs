@@ -7,7 +7,7 @@
 
 use super::{Conditions, Traced};
 use crate::geometry::{Aabb, Hit, Nearest, nearest_on_triangle};
-use crate::layout::{Address, Nodes, Step};
+use crate::layout::{Address, Ids, LANES, Nodes, Step, WideNodes};
 
 /// The widening of voxels relative to the farthest corner of the bounds; derived in the module head.
 const SLACK: f64 = 1.0 / (1u64 << 40) as f64;
@@ -158,5 +158,45 @@ pub(crate) fn search_tree<N: Nodes>(tree: Traced<'_, N>, search: &mut Search<'_>
         };
         // SAFETY: the leaf and its ids come from this tree.
         unsafe { nodes.for_each(leaf, |id| search.offer(&nodes.corners(id), id)) };
+    }
+}
+
+/// [`search_tree`] in a wide tree: nearer boxes first.
+pub(crate) fn search_wide(nodes: impl WideNodes, search: &mut Search<'_>) {
+    let grid = nodes.planes();
+    let point = search.point.map(f64::from);
+    let mut pending = vec![(Address::ROOT, 0.0)];
+    let mut children: Vec<(usize, f64)> = Vec::with_capacity(LANES);
+    while let Some((at, apart)) = pending.pop() {
+        if apart > search.limit {
+            continue;
+        }
+        // SAFETY: the address is the root's or that of an inner child of a node of this tree.
+        let node = unsafe { nodes.read(at) };
+        children.clear();
+        for lane in 0..node.children() {
+            let [low, high] = node.bounds(lane, &grid);
+            let apart = square([0, 1, 2].map(|k| (low[k] - point[k]).max(point[k] - high[k]).max(0.0)));
+            if apart <= search.limit {
+                children.push((lane, apart));
+            }
+        }
+        // Leaves at once, so that they shorten the search; then inner children, the farthest first.
+        children.sort_by(|a, b| a.1.total_cmp(&b.1));
+        for &(lane, apart) in children.iter().filter(|&&(lane, _)| lane >= node.inner()) {
+            if apart > search.limit {
+                break;
+            }
+            // SAFETY: the lane is that of a leaf, and its ids come from this tree.
+            unsafe {
+                for &id in nodes.ids(&node, lane, &mut Ids::new()) {
+                    search.offer(&nodes.corners(id), id);
+                }
+            }
+        }
+        for &(lane, apart) in children.iter().rev().filter(|&&(lane, _)| lane < node.inner()) {
+            // SAFETY: the lane is that of an inner child.
+            pending.push((unsafe { nodes.child(&node, lane) }, apart));
+        }
     }
 }

@@ -9,6 +9,9 @@ pub(crate) trait Sink {
     /// Whether its rays go side by side with the ones before them more often than not; see deviation 4 of `single.rs`.
     const COHERENT: bool = false;
 
+    /// Whether the walk itself is measured, and must be the same on every machine.
+    const MEASURED: bool = false;
+
     /// Takes an intersection whose t lies in the ray's interval. `true` ends the traversal.
     fn offer(&mut self, found: Intersection, triangle: u32) -> bool;
     /// The largest t that still matters, user units.

@@ -22,12 +22,12 @@ use thiserror::Error;
 
 /// Nearer to a plane than this part of the triangle's largest coordinate on its axis is on both sides of it. A builder cuts
 /// with less than a dozen roundings of 2⁻⁵³.
-const NEAR: f64 = 1.0 / (1u64 << 47) as f64;
+pub(super) const NEAR: f64 = 1.0 / (1u64 << 47) as f64;
 /// Strips of a triangle narrower than this, where each axis is measured in the triangle's largest coordinate, are passed over.
 const NARROW: f64 = 1.0 / (1u64 << 42) as f64;
 /// Steps for each 8 bytes, reference and triangle, on average, before a tree is refused. Trees that were
 /// built took 27 at most; without a bound, a forged tree could take the square of its size.
-const STEPS: u64 = 256;
+pub(super) const STEPS: u64 = 256;
 /// Triangles that a thread takes at a time.
 const TRIANGLES_A_TASK: usize = 1024;
 
@@ -77,7 +77,7 @@ impl KdTree {
     /// # Errors
     /// Any [`CompletenessError`].
     pub fn check_complete(&self, progress: &Progress) -> Result<(), CompletenessError> {
-        with_nodes!(self, nodes => check(self, nodes, progress))
+        with_nodes!(self, nodes => check(self, nodes, progress), wide => super::covered::check(self, wide, progress))
     }
 }
 
@@ -210,8 +210,7 @@ struct Rescue {
 struct Walk<'a, N> {
     nodes: N,
     listing: &'a Listing,
-    /// The triangle's largest coordinate per axis, scene units.
-    largest: [f64; 3],
+    measure: Measure,
     pieces: Vec<Piece>,
     rescues: Vec<Rescue>,
     /// How many steps may still be taken.
@@ -220,7 +219,7 @@ struct Walk<'a, N> {
 
 impl<'a, N: Nodes> Walk<'a, N> {
     fn new(nodes: N, listing: &'a Listing) -> Self {
-        Self { nodes, listing, largest: [0.0; 3], pieces: Vec::new(), rescues: Vec::new(), steps: 0 }
+        Self { nodes, listing, measure: Measure { largest: [0.0; 3] }, pieces: Vec::new(), rescues: Vec::new(), steps: 0 }
     }
 
     /// Whether the triangle is named wherever it reaches; `None` when that takes too many steps.
@@ -228,7 +227,7 @@ impl<'a, N: Nodes> Walk<'a, N> {
         self.pieces.clear();
         self.rescues.clear();
         let polygon = Polygon::new(&mesh.corners(triangle));
-        self.largest = [0, 1, 2].map(|k| polygon.corners().iter().fold(0.0, |a, b| b[k].abs().max(a)));
+        self.measure = Measure::of(&polygon);
         self.pieces.push(Piece { polygon, node: Address::ROOT, rescue: None });
         while let Some(piece) = self.pieces.pop() {
             self.steps = self.steps.checked_sub(1)?;
@@ -242,7 +241,7 @@ impl<'a, N: Nodes> Walk<'a, N> {
                         let Rescue { node, next } = self.rescues[rescue as usize];
                         self.pieces.push(Piece { node, rescue: next, ..piece });
                     }
-                    None if self.is_narrow(&piece.polygon) => {}
+                    None if self.measure.is_narrow(&piece.polygon) => {}
                     None => return Some(false),
                 },
             }
@@ -255,7 +254,7 @@ impl<'a, N: Nodes> Walk<'a, N> {
         let (axis, left, right) = (inner.axis, inner.left(), inner.right());
         let &Piece { ref polygon, rescue, .. } = piece;
         let (place, cell) = self.nodes.planes().exact(axis, inner.split);
-        let reach = cell + NEAR * self.largest[axis];
+        let reach = cell + NEAR * self.measure.largest[axis];
         let (first, last) = (place - reach, place + reach);
         let along = polygon.corners().iter().map(|corner| corner[axis]);
         let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
@@ -276,8 +275,8 @@ impl<'a, N: Nodes> Walk<'a, N> {
             above.clip(axis, last, -1.0, &mut middle);
         }
         // A strip across a slanting triangle is at most as much wider than the slab as the triangle is longer than high.
-        let (slab, height) = (2.0 * reach / self.largest[axis], (high - low) / self.largest[axis]);
-        let passed_over = slab * self.diameter(polygon) <= NARROW * height;
+        let (slab, height) = (2.0 * reach / self.measure.largest[axis], (high - low) / self.measure.largest[axis]);
+        let passed_over = slab * self.measure.diameter(polygon) <= NARROW * height;
         if !passed_over {
             self.rescues.push(Rescue { node: right, next: rescue });
             let rescue = Some(self.rescues.len() as u32 - 1);
@@ -298,6 +297,18 @@ impl<'a, N: Nodes> Walk<'a, N> {
         polygon.clip(axis, at, sign, &mut part);
         self.pieces.push(Piece { polygon: part, node, rescue });
     }
+}
+
+/// What a triangle's pieces are measured by.
+pub(super) struct Measure {
+    /// The triangle's largest coordinate per axis, scene units.
+    pub(super) largest: [f64; 3],
+}
+
+impl Measure {
+    pub(super) fn of(whole: &Polygon) -> Self {
+        Self { largest: [0, 1, 2].map(|k| whole.corners().iter().fold(0.0, |a, b| b[k].abs().max(a))) }
+    }
 
     /// The corners, each axis in units of the triangle's largest coordinate.
     fn scaled(&self, polygon: &Polygon) -> impl Iterator<Item = [f64; 3]> {
@@ -315,7 +326,7 @@ impl<'a, N: Nodes> Walk<'a, N> {
     }
 
     /// Whether a polygon is a strip about as narrow as [`NARROW`], or nothing.
-    fn is_narrow(&self, polygon: &Polygon) -> bool {
+    pub(super) fn is_narrow(&self, polygon: &Polygon) -> bool {
         let mut corners = self.scaled(polygon);
         let Some(first) = corners.next() else { return true };
         let minus = |a: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| a[k] - first[k]) };

@@ -34,6 +34,13 @@ impl MemoryReport {
                     mesh,
                 }
             }
+            Encoded::Wide(wide) => Self {
+                nodes: size_of_val(wide.nodes.as_slice()) as u64,
+                t_references: 0,
+                indices: wide.leaves.len() as u64 - wide.padding(),
+                other: wide.padding(),
+                mesh,
+            },
             Encoded::Dense(dense) => Self {
                 nodes: dense.bytes.len() as u64 - dense.index_bytes - dense.padding(),
                 t_references: 0,

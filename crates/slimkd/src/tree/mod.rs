@@ -1,6 +1,8 @@
 //! The tree that users hold. Read `pipeline.rs` first: it is how a tree comes to be.
 
+mod boxes;
 mod complete;
+mod covered;
 mod kdtree;
 mod memory;
 mod pipeline;

@@ -1,11 +1,13 @@
 //! From a mesh to a tree: sort out, construct, reduce, encode.
 
 use super::{KdTree, walk};
-use crate::construct::{Builder, Pace};
-use crate::geometry::TriangleMesh;
+use crate::construct::{self, Builder, Pace};
+use crate::geometry::{Aabb, TriangleMesh};
 use crate::job::{Job, Progress};
-use crate::layout;
-use crate::options::{BuildError, BuildOptions};
+use crate::layout::wide::{LeafCode, Wide};
+use crate::layout::{self, Encoded, WideNode};
+use crate::options::{BuildError, BuildOptions, Layout};
+use crate::plan::{Widened, search_weight, widen};
 use crate::reduce::{fit, hoist, prune};
 use crate::threads;
 use std::sync::Arc;
@@ -50,6 +52,16 @@ fn build_here(
     let (triangles, bounds) = valid.ok_or(BuildError::OutOfMemory { bytes: 4 * mesh.len() as u64 })?;
     let degenerate = (mesh.len() - triangles.len()) as u64;
 
+    if options.layout == Layout::Wide && options.hoisting.is_none() && layout::wide::holds(&bounds) {
+        let (wide, depth, byte_weight) = build_wide(&triangles, &bounds, &job)?;
+        drop((triangles, job));
+        let mut own_options = options.clone();
+        (own_options.threads, own_options.max_tree, own_options.max_build_bytes) = (None, None, None);
+        own_options.byte_weight = byte_weight;
+        progress.finish();
+        return Ok(KdTree { mesh, options: own_options, bounds, encoded: Encoded::Wide(wide), depth, degenerate });
+    }
+
     // 2. Construct a plan of the standard tree.
     let budget = options.max_tree.map(|most| most.bytes(mesh.len()));
     let builder = Builder::new(&job, bounds, budget)?;
@@ -83,4 +95,30 @@ fn build_here(
     tree.depth = walk::max_depth(&tree, progress)?;
     progress.finish();
     Ok(tree)
+}
+
+/// Builds a wide tree; also returns its depth and the weight of bytes that it has.
+fn build_wide(triangles: &[u32], bounds: &Aabb, job: &Job<'_>) -> Result<(Wide, u32, f32), BuildError> {
+    let options = job.options;
+    job.progress.begin(0.7);
+    let plan = construct::boxes::build(triangles, bounds, true, job)?;
+    job.progress.begin_loops(0.2, 2 * plan.nodes.len());
+    let code = LeafCode::new(job.mesh.len());
+    let at_price = |lambda: f64| widen(&plan, lambda, size_of::<WideNode>(), |ids| code.size(ids), job);
+    let size = |tree: &Widened<'_>| layout::wide::size(tree, job.mesh.len());
+    // What a byte costs in the tree of the fewest costs for rays: λ = ℓ · cost / bytes, as in other layouts.
+    let fastest = at_price(0.0)?;
+    let cost_of_a_byte = fastest.cost() / size(&fastest) as f64;
+    drop(fastest);
+    let at_weight = |weight: f32| at_price(f64::from(weight) * cost_of_a_byte);
+    let weight = match options.max_tree {
+        None => options.byte_weight,
+        Some(most) => search_weight(options.byte_weight, None, most.bytes(job.mesh.len()), |weight| {
+            Ok(size(&at_weight(weight)?))
+        })?,
+    };
+    let widened = at_weight(weight)?;
+    job.progress.begin_loops(0.1, plan.nodes.len() / 4);
+    let (wide, depth) = layout::wide::encode(&widened, bounds, job)?;
+    Ok((wide, depth, weight))
 }

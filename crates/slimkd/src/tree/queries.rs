@@ -2,11 +2,12 @@
 
 use super::KdTree;
 use crate::geometry::{Aabb, Hit, Ray};
-use crate::layout::{Nodes, with_nodes};
+use crate::layout::{LaneNodes, Nodes as _, with_nodes};
+use crate::simd::InstructionSet;
 use crate::query::{BatchJob, Walk, tracer};
 use crate::traverse::{
     AnyHits, ClosestHits, Conditions, NearestPoint, PreparedRay, RayConditions, Search, Sink, Stream, Traced,
-    finish_strays, search_tree, traverse,
+    WideAnyHits, WideClosestHits, WideWalk, finish_strays, search_tree, search_wide, traverse,
 };
 
 /// Batches below this go ray by ray: a stream is not worth setting up.
@@ -28,75 +29,90 @@ impl Walk for KdTree {
             if let Some(prepared) = PreparedRay::new(ray, &self.bounds, &nodes.planes()) {
                 traverse(nodes, self.depth, &prepared, sink);
             }
+        }, wide => {
+            if let Some(ray) = PreparedRay::new(ray, &self.bounds, wide.grid()) {
+                trace_wide(WideWalk { nodes: wide, depth: self.depth, ray: &ray, sink });
+            }
         });
     }
 
     fn search(&self, search: &mut Search<'_>) {
-        with_nodes!(self, nodes => search_tree(self.traced(nodes), search));
+        with_nodes!(self, nodes => search_tree(self.traced(nodes), search), wide => search_wide(wide, search));
     }
 
     fn closest_hits(&self, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {
-        let BatchJob { rays, conditions, instruction_set, .. } = job;
-        // A filter is asked hit by hit, which streams do anyway.
-        if !job.coherent || conditions.filter.is_some() {
-            return self.closest_stream(job, hits);
-        }
-        let except = conditions.except;
-        let strays = with_nodes!(self, nodes => {
-            let hits = &mut *hits;
-            instruction_set.run(ClosestHits { tree: self.traced(nodes), rays, except, hits })
-        });
-        finish_strays(rays, hits, except, &strays, |rays, except, hits| {
-            let conditions = RayConditions { except, ..conditions };
-            self.closest_stream(BatchJob { rays, conditions, ..job }, hits);
+        with_nodes!(self, nodes => self.traced(nodes).closest_hits(self, job, hits), wide => {
+            let tree = self.traced(wide);
+            job.instruction_set.run(WideClosestHits { tree, rays: job.rays, conditions: job.conditions, hits });
         });
     }
 
     fn any_hits(&self, job: BatchJob<'_>, hits: &mut [bool]) {
-        let BatchJob { rays, conditions, instruction_set, .. } = job;
-        if !job.coherent || conditions.filter.is_some() {
-            return self.any_stream(job, hits);
-        }
-        let except = conditions.except;
-        let strays = with_nodes!(self, nodes => {
-            let hits = &mut *hits;
-            instruction_set.run(AnyHits { tree: self.traced(nodes), rays, except, hits })
-        });
-        finish_strays(rays, hits, except, &strays, |rays, except, hits| {
-            let conditions = RayConditions { except, ..conditions };
-            self.any_stream(BatchJob { rays, conditions, ..job }, hits);
+        with_nodes!(self, nodes => self.traced(nodes).any_hits(self, job, hits), wide => {
+            let tree = self.traced(wide);
+            job.instruction_set.run(WideAnyHits { tree, rays: job.rays, conditions: job.conditions, hits });
         });
     }
 }
 
+/// Walks with the best instructions; a walk that is measured, with the same ones everywhere.
+fn trace_wide<S: Sink>(walk: WideWalk<'_, S>) {
+    if S::MEASURED { InstructionSet::Scalar.run(walk) } else { InstructionSet::run_best(walk) }
+}
+
 impl KdTree {
-    fn traced<N: Nodes>(&self, nodes: N) -> Traced<'_, N> {
+    fn traced<N>(&self, nodes: N) -> Traced<'_, N> {
         Traced { nodes, depth: self.depth, bounds: &self.bounds }
     }
+}
 
-    fn closest_stream(&self, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {
-        if job.rays.len() >= LEAST_STREAM {
-            with_nodes!(self, nodes => {
-                if let Some(stream) = Stream::new(self.traced(nodes), job.rays, job.conditions, &mut *hits) {
-                    return job.instruction_set.run(stream);
-                }
-            });
+impl<N: LaneNodes> Traced<'_, N> {
+    fn closest_hits(self, tree: &KdTree, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {
+        let BatchJob { rays, conditions, instruction_set, .. } = job;
+        // A filter is asked hit by hit, which streams do anyway.
+        if !job.coherent || conditions.filter.is_some() {
+            return self.closest_stream(tree, job, hits);
+        }
+        let except = conditions.except;
+        let strays = instruction_set.run(ClosestHits { tree: self, rays, except, hits: &mut *hits });
+        finish_strays(rays, hits, except, &strays, |rays, except, hits| {
+            let conditions = RayConditions { except, ..conditions };
+            self.closest_stream(tree, BatchJob { rays, conditions, ..job }, hits);
+        });
+    }
+
+    fn any_hits(self, tree: &KdTree, job: BatchJob<'_>, hits: &mut [bool]) {
+        let BatchJob { rays, conditions, instruction_set, .. } = job;
+        if !job.coherent || conditions.filter.is_some() {
+            return self.any_stream(tree, job, hits);
+        }
+        let except = conditions.except;
+        let strays = instruction_set.run(AnyHits { tree: self, rays, except, hits: &mut *hits });
+        finish_strays(rays, hits, except, &strays, |rays, except, hits| {
+            let conditions = RayConditions { except, ..conditions };
+            self.any_stream(tree, BatchJob { rays, conditions, ..job }, hits);
+        });
+    }
+
+    fn closest_stream(self, tree: &KdTree, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {
+        if job.rays.len() >= LEAST_STREAM
+            && let Some(stream) = Stream::new(self, job.rays, job.conditions, &mut *hits)
+        {
+            return job.instruction_set.run(stream);
         }
         for (at, (ray, hit)) in job.rays.iter().zip(hits).enumerate() {
-            *hit = job.conditions.alone(at, |conditions| self.ask_closest(ray, conditions));
+            *hit = job.conditions.alone(at, |conditions| tree.ask_closest(ray, conditions));
         }
     }
 
-    fn any_stream(&self, job: BatchJob<'_>, hits: &mut [bool]) {
-        if job.rays.len() >= LEAST_STREAM {
-            with_nodes!(self, nodes => {
-                if let Some(stream) = Stream::new(self.traced(nodes), job.rays, job.conditions, &mut *hits) {
-                    return job.instruction_set.run(stream);
-                }
-            });
+    fn any_stream(self, tree: &KdTree, job: BatchJob<'_>, hits: &mut [bool]) {
+        if job.rays.len() >= LEAST_STREAM
+            && let Some(stream) = Stream::new(self, job.rays, job.conditions, &mut *hits)
+        {
+            return job.instruction_set.run(stream);
         }
         for (at, (ray, hit)) in job.rays.iter().zip(hits).enumerate() {
-            *hit = job.conditions.alone(at, |conditions| self.ask_any(ray, conditions));
+            *hit = job.conditions.alone(at, |conditions| tree.ask_any(ray, conditions));
         }
     }
 }

@@ -103,6 +103,16 @@ impl TreeStatistics {
         (15001, u32::MAX),
     ];
 
+    /// Triangles by number of references; `degenerate` ones are not in the tree by design and not counted.
+    pub(super) fn intervals(per_triangle: &[u32], degenerate: u64) -> Vec<u64> {
+        let mut duplication = vec![0u64; Self::DUPLICATION_INTERVALS.len()];
+        for &count in per_triangle {
+            duplication[Self::DUPLICATION_INTERVALS.partition_point(|&(_, last)| last < count)] += 1;
+        }
+        duplication[0] -= degenerate;
+        duplication
+    }
+
     /// All references, in leaves and in inner nodes.
     pub fn references(&self) -> u64 {
         let r = &self.leaf_references;

@@ -46,7 +46,7 @@ pub(super) fn max_depth(tree: &KdTree, progress: &Progress) -> Result<u32, Build
             }
         }
         Ok(deepest)
-    })
+    }, _wide => Ok(tree.depth))
 }
 
 /// How many T-references there are.
@@ -54,12 +54,12 @@ pub(super) fn t_references(tree: &KdTree) -> u64 {
     let mut count = 0;
     with_nodes!(tree, nodes => for_each(nodes, Aabb::EMPTY, |_, node| {
         count += u64::from(matches!(node, Step::Inner(Inner { t_reference: Some(_), .. })));
-    }));
+    }), _wide => {});
     count
 }
 
 pub(super) fn statistics(tree: &KdTree) -> TreeStatistics {
-    with_nodes!(tree, nodes => statistics_of(tree, nodes))
+    with_nodes!(tree, nodes => statistics_of(tree, nodes), wide => super::boxes::statistics(tree, wide))
 }
 
 fn statistics_of<N: Nodes>(tree: &KdTree, view: N) -> TreeStatistics {
@@ -101,12 +101,6 @@ fn statistics_of<N: Nodes>(tree: &KdTree, view: N) -> TreeStatistics {
             }
         }
     });
-    let mut duplication = vec![0u64; TreeStatistics::DUPLICATION_INTERVALS.len()];
-    for &count in &per_triangle {
-        let interval = TreeStatistics::DUPLICATION_INTERVALS.partition_point(|&(_, last)| last < count);
-        duplication[interval] += 1;
-    }
-    duplication[0] -= tree.degenerate; // they are not in the tree by design
     let root_area = tree.bounds.surface_area();
     TreeStatistics {
         triangles: tree.mesh.len() as u64,
@@ -116,7 +110,7 @@ fn statistics_of<N: Nodes>(tree: &KdTree, view: N) -> TreeStatistics {
         t_references,
         max_depth: tree.depth,
         leaf_depths,
-        duplication,
+        duplication: TreeStatistics::intervals(&per_triangle, tree.degenerate),
         sah_cost: if root_area > 0.0 { cost / root_area } else { 0.0 },
     }
 }
@@ -127,5 +121,5 @@ pub(crate) fn for_each_reference(tree: &KdTree, mut visit: impl FnMut(u32)) {
         // SAFETY: the leaf comes from this tree.
         Step::Leaf(leaf) => unsafe { nodes.for_each(leaf, &mut visit) },
         Step::Inner(Inner { t_reference, .. }) => t_reference.into_iter().for_each(&mut visit),
-    }));
+    }), wide => super::boxes::for_each_reference(wide, visit));
 }

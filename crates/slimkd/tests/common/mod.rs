@@ -60,7 +60,7 @@ pub fn variants() -> Vec<(String, BuildOptions)> {
             }
         }
     }
-    for layout in [Layout::FourByte, Layout::TwoByte] {
+    for layout in [Layout::FourByte, Layout::TwoByte, Layout::Wide] {
         let mut options = BuildOptions::from(Preset::Slim);
         options.layout = layout;
         out.push((format!("slim, {layout}"), options));

@@ -56,6 +56,7 @@ fn settings(options: &BuildOptions) -> String {
     let leaves = match options.layout {
         Layout::FourByte => "4-byte leaves",
         Layout::TwoByte => "2-byte leaves",
+        Layout::Wide => "wide layout",
         _ => "dense layout",
     };
     let collapse = match (options.collapse, options.byte_weight) {

@@ -1,12 +1,13 @@
 //! Reads of a dense tree that nobody has proved.
 
-use super::leaf::{Leaf, LeafCode, read_code};
+use super::leaf::{Leaf, LeafCode};
 use super::{PADDING, word};
 use crate::geometry::Aabb;
 use crate::layout::Planes;
 use crate::layout::checked::{CheckedMesh, Guard, bytes_at};
 use crate::layout::nodes::LeafMode;
 use crate::layout::nodes::{Address, Ids, Inner, MOST_IDS, Nodes, Step};
+use crate::layout::runs::read_code;
 
 /// The section's bytes, and what follows from the mesh.
 #[derive(Clone, Copy)]

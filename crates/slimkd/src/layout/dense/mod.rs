@@ -32,6 +32,7 @@ use encode::fits;
 pub(crate) use encode::{encode, holds, size};
 pub(crate) use validate::validate;
 pub(crate) use view::DenseView;
+pub(super) use word::grid;
 
 use leaf::LeafCode;
 

@@ -1,7 +1,7 @@
 //! Proof that dense bytes that were read can be walked.
 
-use super::leaf::read_code;
 use super::{Dense, PADDING, word};
+use crate::layout::runs::read_code;
 use crate::layout::{Damage, damaged};
 
 /// Proves that the bytes are exactly one tree in preorder, that every id names a triangle, ascending within a leaf, and

@@ -1,11 +1,12 @@
 //! Reads of a proven dense tree.
 
-use super::leaf::{LONGEST_RUN, Leaf, LeafCode, read_code};
+use super::leaf::{Leaf, LeafCode};
 use super::{Dense, PADDING, word};
 use crate::layout::Planes;
 use crate::layout::mesh::MeshView;
 use crate::layout::nodes::LeafMode;
 use crate::layout::nodes::{Address, Ids, Inner, MOST_IDS, Nodes, SPILL, Step};
+use crate::layout::runs::{LONGEST_RUN, read_code};
 
 const _: () = assert!(LONGEST_RUN <= SPILL, "a run may begin at the last id of a piece");
 

@@ -53,7 +53,7 @@ const SPAN: RangeInclusive<f64> = 7.888_609_052_210_118e-31..=8.507_059_173_023_
 
 /// The grid over a scene: per axis, the power of two at or above the extent has 2^21 cells. `None` where f32 cannot hold
 /// its scales.
-pub(super) fn grid(bounds: &Aabb) -> Option<Planes> {
+pub(in crate::layout) fn grid(bounds: &Aabb) -> Option<Planes> {
     let mut planes = Planes::WORLD;
     if bounds.is_empty() {
         return Some(planes);
