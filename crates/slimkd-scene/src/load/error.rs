@@ -41,14 +41,16 @@ pub enum LoadError {
         source: io::Error,
     },
     /// A directory, a pipe or a device: give a regular file.
-    #[error("{path:?} is not a regular file; give a .ply, .obj, .stl, .off, .gltf, .glb, .asc or .npy file")]
+    #[error(
+        "{path:?} is not a regular file; give a .ply, .obj, .stl, .off, .gltf, .glb, .xml, .serialized, .json, .jsonl, .asc or .npy file"
+    )]
     NotAFile {
         /// What was given.
         path: PathBuf,
     },
     /// The name's ending is none that is known: rename or convert the file.
     #[error(
-        "{path:?} has no known extension; use .ply, .obj, .stl, .off, .gltf, .glb, .asc or .npy, with .zst or .gz behind it when compressed"
+        "{path:?} has no known extension; use .ply, .obj, .stl, .off, .gltf, .glb, .xml, .serialized, .json, .jsonl, .asc or .npy, with .zst or .gz behind it when compressed"
     )]
     UnknownFormat {
         /// The file.
