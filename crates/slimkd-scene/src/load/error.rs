@@ -126,3 +126,14 @@ pub(super) fn quoted(text: &[u8]) -> String {
     }
     format!("{short:?}")
 }
+
+/// What another crate says, for a message: one line, not too long whatever the file has in it.
+pub(super) fn short(what: &dyn fmt::Display) -> String {
+    const LONGEST: usize = 200;
+    let line = what.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+    let mut short: String = line.chars().take(LONGEST).collect();
+    if short.len() < line.len() {
+        short.push('…');
+    }
+    short
+}

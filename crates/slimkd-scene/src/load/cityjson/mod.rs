@@ -9,6 +9,7 @@ mod json;
 
 use super::{
     Format, LoadError, LoadProgress, Place,
+    error::short,
     source::{FREE_BYTES, MAX_GROWTH},
     text::Lines,
 };
@@ -32,9 +33,8 @@ fn read(format: Format, text: &[u8], line: u64) -> Result<Root<'_>, LoadError> {
         return Err(LoadError::OutOfProportion { what, limit, input, fix });
     }
     serde_json::from_slice(text).map_err(|error| {
-        let what = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
         let line = line + (error.line() as u64).saturating_sub(1);
-        invalid(format, line, what, "the file was cut off or is no CityJSON")
+        invalid(format, line, short(&error), "the file was cut off or is no CityJSON")
     })
 }
 

@@ -14,7 +14,7 @@ mod xml;
 
 use super::{
     LoadError, LoadProgress,
-    error::quoted,
+    error::{quoted, short},
     obj, ply,
     source::{Folder, growth_limit},
     textures::Textures,
@@ -229,7 +229,7 @@ impl Reader<'_> {
         }
         let (plugin, name, index) = &file;
         let wrong = |why: &dyn std::fmt::Display| {
-            let what = format!("shape file {}: {why}", quoted(name.as_bytes()));
+            let what = format!("shape file {}: {}", quoted(name.as_bytes()), short(why));
             document.invalid(shape, what, "every shape needs its file, beside the scene's or below it")
         };
         let bytes = match self.raw.get(name) {

@@ -4,7 +4,7 @@
 
 use crate::load::{
     Format, LoadError, Place,
-    error::quoted,
+    error::{quoted, short},
     source::{Folder, growth_limit},
 };
 use quick_xml::{
@@ -169,8 +169,7 @@ impl<'a> Document<'a> {
             let event = reader.read_event();
             let at = (reader.buffer_position() as usize).min(text.len());
             let damaged = |document: &Self, what: &dyn std::fmt::Display, line| {
-                let what = what.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
-                document.wrong(file, line, what, "the file was cut off or is no XML")
+                document.wrong(file, line, short(what), "the file was cut off or is no XML")
             };
             let event = event.map_err(|error| damaged(self, &error, line))?;
             let began = line;
@@ -225,7 +224,7 @@ impl<'a> Document<'a> {
         // The check for repeated attributes takes time that grows with their square.
         for attribute in start.attributes().with_checks(false) {
             let wrong = |error: &dyn std::fmt::Display| {
-                self.wrong(file, line, error.to_string(), "the file is damaged or no scene")
+                self.wrong(file, line, short(error), "the file is damaged or no scene")
             };
             let attribute = attribute.map_err(|error| wrong(&error))?;
             if attributes.len() == MAX_ATTRIBUTES {
