@@ -139,6 +139,29 @@ fn templates_are_drawn_where_their_instances_are() {
     }
 }
 
+/// Templates are triangulated once, and what instances cost is counted.
+#[test]
+fn many_instances_of_much_that_is_no_triangle() {
+    let empty = "[],".repeat(100_000);
+    let templates = format!(
+        r#""geometry-templates":{{"templates":[{{"type":"MultiSurface","lod":"2","boundaries":[{empty}[[0,1,2]]]}}],"vertices-templates":[[0,0,0],[1,0,0],[0,1,0]]}},"#
+    );
+    let places: Vec<String> = (0..20_000)
+        .map(|k| {
+            object(
+                &k.to_string(),
+                &[r#"{"type":"GeometryInstance","template":0,"boundaries":[0]}"#.to_owned()],
+            )
+        })
+        .collect();
+    let scene = city(&model(&places.join(","), &templates));
+    assert_eq!((scene.mesh.len(), scene.warnings.len()), (20_000, 1));
+    let many = format!("{}[0,0,0]", "[0,0,0],".repeat(200_000));
+    let templates = templates.replace("[0,1,0]]}", &format!("[0,1,0],{many}]}}"));
+    let loaded = load_bytes(Format::CityJson, model(&places.join(","), &templates).as_bytes());
+    assert!(matches!(loaded, Err(LoadError::OutOfProportion { .. })));
+}
+
 #[test]
 fn sequences_share_their_transform() {
     let head = model("", "").replace('\n', " ");

@@ -196,6 +196,24 @@ fn bombs_of_parameters_and_entities() {
     assert!(matches!(xml(&format!("{group}{balls}")), Err(LoadError::OutOfProportion { .. })));
 }
 
+/// What is drawn again and again costs what it holds, and each BSDF is converted once.
+#[test]
+fn many_instances_of_much_that_is_no_triangle() {
+    let nothing = "<string/>".repeat(20_000);
+    let places = r#"<shape type="instance"><ref id="g"/></shape>"#.repeat(40_000);
+    for shape in [
+        format!(r#"<shape type="hair">{nothing}</shape>"#),
+        format!(r#"<shape type="rectangle"><transform name="to_world">{nothing}</transform></shape>"#),
+        nothing.clone(),
+    ] {
+        let loaded = xml(&format!(r#"<shape type="shapegroup" id="g">{shape}</shape>{places}"#));
+        assert!(matches!(loaded, Err(LoadError::OutOfProportion { .. })));
+    }
+    let light = r#"<shape type="disk"><ref id="b"/><emitter type="area"/></shape>"#.repeat(1_000);
+    let scene = scene(&format!(r#"<bsdf type="diffuse" id="b">{nothing}</bsdf>{light}"#));
+    assert_eq!(scene.materials.len(), 1_000);
+}
+
 #[test]
 fn broken_xml_is_an_error_with_its_line() {
     for (text, line) in [

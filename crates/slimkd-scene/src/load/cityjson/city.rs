@@ -12,6 +12,7 @@ use glam::{DMat4, DVec3, Vec3};
 use slimkd::TriangleMesh;
 use std::{
     collections::{BTreeMap, HashMap},
+    rc::Rc,
     sync::Arc,
 };
 
@@ -21,6 +22,8 @@ const TRIANGLE: u64 = 16;
 const SURFACE: u64 = 64;
 /// Objects between two looks at the progress.
 const BLOCK: usize = 256;
+/// Surfaces that are triangulated before their triangles go into the mesh.
+const PART: usize = 4096;
 /// How fine coordinates are that have no transform, units.
 const RESOLUTION: f64 = 0.001;
 
@@ -51,9 +54,14 @@ pub(super) struct City<'p> {
     known: HashMap<String, u32>,
     /// How many geometries of lower detail were left out, by their detail.
     left_out: BTreeMap<String, u64>,
+    /// Templates as triangles.
+    templates: HashMap<usize, Rc<Cut>>,
     counts: Counts,
     resolution: f64,
 }
+
+/// Triangles of a geometry by its own vertices, and their materials; [`NONE`] is the one of the object.
+type Cut = Vec<([u32; 3], u32)>;
 
 /// Where the vertices of a geometry are, and what they became.
 struct Vertices<'v> {
@@ -62,6 +70,15 @@ struct Vertices<'v> {
     indices: Vec<u32>,
     /// Triangles would face the other way.
     mirrored: bool,
+}
+
+/// What the objects of one text have in common.
+struct Text<'a, 'r> {
+    /// The text with the templates.
+    shared: &'a Root<'r>,
+    line: u64,
+    /// Its materials, once they are used.
+    painted: Vec<u32>,
 }
 
 impl<'p> City<'p> {
@@ -77,13 +94,10 @@ impl<'p> City<'p> {
             materials: Vec::new(),
             known: HashMap::new(),
             left_out: BTreeMap::new(),
+            templates: HashMap::new(),
             counts: Counts::default(),
             resolution: f64::INFINITY,
         }
-    }
-
-    fn invalid(&self, line: u64, what: String, fix: &'static str) -> LoadError {
-        LoadError::Invalid { format: self.format, place: Place::Line(line), what, fix }
     }
 
     fn spend(&mut self, bytes: u64) -> Result<(), LoadError> {
@@ -103,43 +117,71 @@ impl<'p> City<'p> {
         if !root.vertices.is_empty() {
             self.resolution = self.resolution.min(resolution);
         }
+        if std::ptr::eq(root, shared) {
+            self.templates.clear();
+        }
         let transform = transform.unwrap_or(Transform { scale: [1.0; 3], translate: [0.0; 3] });
         self.counts.textures += root.appearance.as_ref().map_or(0, |a| a.textures.len() as u64);
         let place = |vertex: usize| transform.apply(root.vertices[vertex]);
         let indices = vec![NONE; root.vertices.len()];
         let mut vertices = Vertices { places: &place, indices, mirrored: false };
+        let mut text = Text { shared, line, painted: Vec::new() };
         for (done, (name, object)) in root.objects.0.iter().enumerate() {
             if done.is_multiple_of(BLOCK) {
                 self.progress.reach(0.0)?;
             }
-            let wrong = |what: String| format!("object {}: {what}", quoted(name.as_bytes()));
-            let geometries = object.geometry.as_deref().unwrap_or_default();
-            let instance = |geometry: &&Geometry<'_>| geometry.kind == "GeometryInstance";
-            let lod = |geometry: &Geometry<'_>| {
-                let templates = shared.templates.as_ref();
-                let template = geometry.template.and_then(|template| templates?.templates.get(template));
-                template.filter(|_| instance(&geometry)).map_or(geometry.lod, |template| template.lod)
-            };
-            let surfaces =
-                geometries.iter().filter(|geometry| instance(geometry) || depth(geometry).is_some());
-            let highest = surfaces.map(lod).fold(Lod(f64::NEG_INFINITY), |a, b| if b > a { b } else { a });
-            for geometry in geometries {
-                self.counts.geometries += 1;
-                if depth(geometry).is_none() && !instance(&geometry) {
-                    let is_line = matches!(&*geometry.kind, "MultiPoint" | "MultiLineString");
-                    let count = if is_line { &mut self.counts.lines } else { &mut self.counts.unknown };
-                    *count += 1;
-                } else if lod(geometry) < highest {
-                    self.counts.lower += 1;
-                    if self.left_out.len() < 32 {
-                        *self.left_out.entry(lod(geometry).0.to_string()).or_default() += 1;
-                    }
-                } else if instance(&geometry) {
-                    self.instance(root, shared, object, geometry, &place)
-                        .map_err(|error| error.told(|what| self.invalid(line, wrong(what), FIX)))?;
-                } else {
-                    self.surfaces(root, object, geometry, &mut vertices)
-                        .map_err(|error| error.told(|what| self.invalid(line, wrong(what), FIX)))?;
+            self.object(root, object, &mut text, &mut vertices).map_err(|fault| match fault {
+                Fault::Load(error) => error,
+                Fault::Wrong(what) => LoadError::Invalid {
+                    format: self.format,
+                    place: Place::Line(text.line),
+                    what: format!("object {}: {what}", quoted(name.as_bytes())),
+                    fix: "the file is damaged: write it again, or check it by a validator of CityJSON",
+                },
+            })?;
+        }
+        Ok(())
+    }
+
+    fn object(
+        &mut self,
+        root: &Root<'_>,
+        object: &CityObject<'_>,
+        text: &mut Text<'_, '_>,
+        vertices: &mut Vertices<'_>,
+    ) -> Result<(), Fault> {
+        let geometries = object.geometry.as_deref().unwrap_or_default();
+        let instance = |geometry: &&Geometry<'_>| geometry.kind == "GeometryInstance";
+        let shared = text.shared;
+        let lod = |geometry: &Geometry<'_>| {
+            let templates = shared.templates.as_ref();
+            let template = geometry.template.and_then(|template| templates?.templates.get(template));
+            template.filter(|_| instance(&geometry)).map_or(geometry.lod, |template| template.lod)
+        };
+        let surfaces = geometries.iter().filter(|geometry| instance(geometry) || depth(geometry).is_some());
+        let highest = surfaces.map(lod).fold(Lod(f64::NEG_INFINITY), |a, b| if b > a { b } else { a });
+        for geometry in geometries {
+            self.counts.geometries += 1;
+            if depth(geometry).is_none() && !instance(&geometry) {
+                let is_line = matches!(&*geometry.kind, "MultiPoint" | "MultiLineString");
+                let count = if is_line { &mut self.counts.lines } else { &mut self.counts.unknown };
+                *count += 1;
+            } else if lod(geometry) < highest {
+                self.counts.lower += 1;
+                if self.left_out.len() < 32 {
+                    *self.left_out.entry(lod(geometry).0.to_string()).or_default() += 1;
+                }
+            } else if instance(&geometry) {
+                self.instance(root, object, geometry, text, vertices.places)?;
+            } else {
+                let lists = Lists::of(geometry)?;
+                let materials = Materials::of(root, geometry, lists.count);
+                for start in (0..lists.count).step_by(PART) {
+                    let part = start..(start + PART).min(lists.count);
+                    let painted = &mut text.painted;
+                    let count = root.vertices.len();
+                    let cut = self.cut(&lists, part, &materials, painted, vertices.places, count)?;
+                    self.draw(&cut, object, vertices)?;
                 }
             }
         }
@@ -150,62 +192,68 @@ impl<'p> City<'p> {
     fn instance(
         &mut self,
         root: &Root<'_>,
-        shared: &Root<'_>,
         object: &CityObject<'_>,
         geometry: &Geometry<'_>,
+        text: &Text<'_, '_>,
         place: &dyn Fn(usize) -> [f64; 3],
     ) -> Result<(), Fault> {
-        let templates = shared.templates.as_ref();
-        let found = templates.zip(geometry.template);
-        let Some((templates, template)) = found.and_then(|(t, index)| Some((t, t.templates.get(index)?)))
-        else {
-            return Err(Fault::Wrong("an instance names no template that is there".to_owned()));
-        };
+        let wrong = |what: &str| Fault::Wrong(what.to_owned());
+        let found = text.shared.templates.as_ref().zip(geometry.template);
+        let found = found.and_then(|(all, index)| Some((all, index, all.templates.get(index)?)));
+        let (all, index, template) =
+            found.ok_or_else(|| wrong("an instance names no template that is there"))?;
         if depth(template).is_none() {
             self.counts.unknown += 1;
             return Ok(());
         }
         let at = match geometry.boundaries.values[..] {
             [at] if (at as usize) < root.vertices.len() => DVec3::from(place(at as usize)),
-            _ => return Err(Fault::Wrong("an instance needs one vertex that is there".to_owned())),
+            _ => return Err(wrong("an instance needs one vertex that is there")),
         };
         let matrix = geometry.matrix.map_or(DMat4::IDENTITY, |m| DMat4::from_cols_array(&m).transpose());
-        self.spend(VERTEX * templates.vertices.len() as u64 / 4)?;
-        let moved = |vertex: usize| {
-            (at + matrix.transform_point3(DVec3::from(templates.vertices[vertex]))).to_array()
+        let cut = match self.templates.get(&index) {
+            Some(known) => Rc::clone(known),
+            None => {
+                let lists = Lists::of(template)?;
+                let materials = Materials::of(text.shared, template, lists.count);
+                let own = |vertex: usize| all.vertices[vertex];
+                let (whole, count) = (0..lists.count, all.vertices.len());
+                let cut = Rc::new(self.cut(&lists, whole, &materials, &mut Vec::new(), &own, count)?);
+                self.templates.insert(index, Rc::clone(&cut));
+                cut
+            }
         };
-        let indices = vec![NONE; templates.vertices.len()];
+        self.spend(SURFACE + all.vertices.len() as u64 * (VERTEX / 4))?;
+        let moved =
+            |vertex: usize| (at + matrix.transform_point3(DVec3::from(all.vertices[vertex]))).to_array();
+        let indices = vec![NONE; all.vertices.len()];
         let mirrored = matrix.determinant() < 0.0;
-        self.surfaces(shared, object, template, &mut Vertices { places: &moved, indices, mirrored })
+        self.draw(&cut, object, &mut Vertices { places: &moved, indices, mirrored })
     }
 
-    /// Triangulates a geometry's surfaces.
-    fn surfaces(
+    /// Triangulates some of a geometry's surfaces. `painted` are the materials of the appearance that were used before,
+    /// `count` the number of vertices.
+    fn cut(
         &mut self,
-        root: &Root<'_>,
-        object: &CityObject<'_>,
-        geometry: &Geometry<'_>,
-        vertices: &mut Vertices<'_>,
-    ) -> Result<(), Fault> {
-        let (lists, depth) = (&geometry.boundaries, depth(geometry).unwrap_or(3));
-        if lists.depth() == 0 {
-            return Ok(());
-        }
-        if lists.depth() != depth {
-            let what = format!("a {} has lists {} deep, not {depth}", geometry.kind, lists.depth());
-            return Err(Fault::Wrong(what));
-        }
-        let count = lists.count(depth - 2);
-        let material = Materials::of(root, object, geometry, count);
+        lists: &Lists<'_>,
+        surfaces: std::ops::Range<usize>,
+        materials: &Materials<'_>,
+        painted: &mut Vec<u32>,
+        places: &dyn Fn(usize) -> [f64; 3],
+        count: usize,
+    ) -> Result<Cut, Fault> {
+        let mut cut = Cut::new();
         let mut rings: Vec<Vec<[f64; 3]>> = Vec::new();
         let mut corners: Vec<u32> = Vec::new();
-        for surface in 0..count {
+        let mut classes: HashMap<u32, u32> = HashMap::new();
+        for surface in surfaces {
             self.counts.surfaces += 1;
+            self.spend(SURFACE)?;
             rings.clear();
             corners.clear();
             let mut is_sliver = false;
-            for ring in lists.range(depth - 2, surface) {
-                let indices = &lists.values[lists.range(depth - 1, ring)];
+            for ring in lists.rings(surface) {
+                let indices = lists.ring(ring);
                 if indices.len() < 3 {
                     is_sliver = true;
                     if rings.is_empty() {
@@ -213,68 +261,88 @@ impl<'p> City<'p> {
                     }
                     continue;
                 }
-                let mut places = Vec::with_capacity(indices.len());
-                for &index in indices {
-                    let Some(known) = vertices.indices.get_mut(index as usize) else {
-                        let count = vertices.indices.len();
-                        return Err(Fault::Wrong(format!(
-                            "a surface uses vertex {index}, but there are {count}"
-                        )));
-                    };
-                    let place = (vertices.places)(index as usize);
-                    if *known == NONE {
-                        *known = u32::try_from(self.positions.len()).unwrap_or(NONE);
-                        self.positions.push(place);
-                        self.spent = self.spent.saturating_add(VERTEX);
-                    }
-                    places.push(place);
-                    corners.push(*known);
+                if let Some(bad) = indices.iter().find(|&&index| index as usize >= count) {
+                    return Err(Fault::Wrong(format!("a surface uses vertex {bad}, but there are {count}")));
                 }
-                rings.push(places);
+                rings.push(indices.iter().map(|&index| places(index as usize)).collect());
+                corners.extend_from_slice(indices);
             }
-            self.counts.slivers += u64::from(is_sliver);
+            self.counts.slivers += u64::from(is_sliver || rings.is_empty());
             if rings.is_empty() {
                 continue;
             }
-            let before = self.triangles.len();
-            let turned = |[a, b, c]: [u32; 3]| if vertices.mirrored { [a, c, b] } else { [a, b, c] };
+            let material = match (materials.painted(surface), materials.class(surface)) {
+                (Some(index), _) => {
+                    painted.resize(materials.list.len(), NONE);
+                    if painted[index] == NONE {
+                        painted[index] = self.painted(&materials.list[index]);
+                    }
+                    painted[index]
+                }
+                (None, Some(class)) => *classes
+                    .entry(class)
+                    .or_insert_with(|| self.named(&materials.classes[class as usize].kind)),
+                (None, None) => NONE,
+            };
             if let [a, b, c] = corners[..] {
-                self.triangles.push(turned([a, b, c]));
+                cut.push(([a, b, c], material));
             } else {
                 let found = triangulate(&rings);
                 self.counts.doubtful += u64::from(found.is_doubtful);
-                let whole = found.triangles.iter().map(|t| turned(t.map(|corner| corners[corner as usize])));
-                self.triangles.extend(whole);
+                let whole = found.triangles.iter().map(|t| (t.map(|k| corners[k as usize]), material));
+                cut.extend(whole);
             }
-            let material = self.material(&material, surface);
-            self.material_ids.resize(self.triangles.len(), material);
-            self.spend(SURFACE + TRIANGLE * (self.triangles.len() - before) as u64)?;
         }
+        Ok(cut)
+    }
+
+    /// Adds triangles to the mesh.
+    fn draw(
+        &mut self,
+        cut: &[([u32; 3], u32)],
+        object: &CityObject<'_>,
+        vertices: &mut Vertices<'_>,
+    ) -> Result<(), Fault> {
+        self.spend(TRIANGLE * cut.len() as u64)?;
+        let before = self.positions.len();
+        let own = self.named(&object.kind);
+        for &(corners, material) in cut {
+            let [a, b, c] = corners.map(|corner| {
+                let known = &mut vertices.indices[corner as usize];
+                if *known == NONE {
+                    *known = u32::try_from(self.positions.len()).unwrap_or(NONE);
+                    self.positions.push((vertices.places)(corner as usize));
+                }
+                *known
+            });
+            self.triangles.push(if vertices.mirrored { [a, c, b] } else { [a, b, c] });
+            self.material_ids.push(if material == NONE { own } else { material });
+        }
+        self.spend(VERTEX * (self.positions.len() - before) as u64)?;
         Ok(())
     }
 
-    /// The index of a surface's material.
-    fn material(&mut self, of: &Materials<'_>, surface: usize) -> u32 {
-        let (key, material) = match (of.painted(surface), of.class(surface)) {
-            (Some(painted), _) => {
-                let colour = Vec3::from(painted.diffuse.unwrap_or([0.7; 3])).map(share);
-                let emission =
-                    painted.emissive.map_or(Vec3::ZERO, |emission| Vec3::from(emission).map(share));
-                let transmission = painted.transparency.map_or(0.0, share);
-                let key = format!("{} {colour} {emission} {transmission}", painted.name);
-                let name = painted.name.clone().into_owned();
-                let ior = if transmission > 0.0 { 1.0 } else { 1.5 };
-                (key, Material { name, diffuse: colour, emission, transmission, ior, ..Default::default() })
-            }
-            (None, class) => {
-                if let Some(&known) = self.known.get(class) {
-                    return known;
-                }
-                let material =
-                    Material { name: class.to_owned(), diffuse: colour(class), ..Default::default() };
-                (class.to_owned(), material)
-            }
-        };
+    /// The index of the material for a kind of surface or object.
+    fn named(&mut self, class: &str) -> u32 {
+        if let Some(&known) = self.known.get(class) {
+            return known;
+        }
+        let material = Material { name: class.to_owned(), diffuse: colour(class), ..Default::default() };
+        self.added(class.to_owned(), material)
+    }
+
+    /// The index of the material that an appearance says.
+    fn painted(&mut self, of: &json::Material<'_>) -> u32 {
+        let diffuse = Vec3::from(of.diffuse.unwrap_or([0.7; 3])).map(share);
+        let emission = of.emissive.map_or(Vec3::ZERO, |emission| Vec3::from(emission).map(share));
+        let transmission = of.transparency.map_or(0.0, share);
+        let key = format!("{} {diffuse} {emission} {transmission}", of.name);
+        let name = of.name.clone().into_owned();
+        let ior = if transmission > 0.0 { 1.0 } else { 1.5 };
+        self.added(key, Material { name, diffuse, emission, transmission, ior, ..Default::default() })
+    }
+
+    fn added(&mut self, key: String, material: Material) -> u32 {
         let (materials, next) = (&mut self.materials, self.known.len() as u32);
         *self.known.entry(key).or_insert_with(|| {
             materials.push(material);
@@ -307,7 +375,7 @@ impl<'p> City<'p> {
             "geometries are of unknown types and were left out".to_owned(),
         );
         tell(WarningKind::Ignored, textures, textures, "textures were left out".to_owned());
-        let what = "surfaces have rings of fewer than 3 corners, which were left out".to_owned();
+        let what = "surfaces have no ring, or rings of fewer than 3 corners, which were left out".to_owned();
         tell(WarningKind::Invalid, slivers, surfaces, what);
         let what = "surfaces cross themselves, and their triangles are a guess".to_owned();
         tell(WarningKind::Polygon, doubtful, surfaces, what);
@@ -332,8 +400,6 @@ impl<'p> City<'p> {
     }
 }
 
-const FIX: &str = "the file is damaged: write it again, or check it by a validator of CityJSON";
-
 /// Why a geometry was not read.
 enum Fault {
     Wrong(String),
@@ -343,15 +409,6 @@ enum Fault {
 impl From<LoadError> for Fault {
     fn from(error: LoadError) -> Self {
         Self::Load(error)
-    }
-}
-
-impl Fault {
-    fn told(self, as_error: impl FnOnce(String) -> LoadError) -> LoadError {
-        match self {
-            Self::Wrong(what) => as_error(what),
-            Self::Load(error) => error,
-        }
     }
 }
 
@@ -365,6 +422,36 @@ fn depth(geometry: &Geometry<'_>) -> Option<usize> {
     }
 }
 
+/// The boundaries of a geometry as surfaces of rings.
+struct Lists<'a> {
+    nested: &'a json::Nested,
+    depth: usize,
+    /// How many surfaces there are.
+    count: usize,
+}
+
+impl<'a> Lists<'a> {
+    fn of(geometry: &'a Geometry<'_>) -> Result<Self, Fault> {
+        let (nested, depth) = (&geometry.boundaries, depth(geometry).unwrap_or(3));
+        if nested.depth() == 0 {
+            return Ok(Self { nested, depth, count: 0 });
+        }
+        if nested.depth() != depth {
+            let what = format!("a {} has lists {} deep, not {depth}", geometry.kind, nested.depth());
+            return Err(Fault::Wrong(what));
+        }
+        Ok(Self { nested, depth, count: nested.count(depth - 2) })
+    }
+
+    fn rings(&self, surface: usize) -> std::ops::Range<usize> {
+        self.nested.range(self.depth - 2, surface)
+    }
+
+    fn ring(&self, ring: usize) -> &'a [u32] {
+        &self.nested.values[self.nested.range(self.depth - 1, ring)]
+    }
+}
+
 /// What the surfaces of a geometry are made of.
 struct Materials<'a> {
     list: &'a [json::Material<'a>],
@@ -373,16 +460,10 @@ struct Materials<'a> {
     each: &'a [u32],
     classes: &'a [json::Surface<'a>],
     class_of: &'a [u32],
-    object: &'a str,
 }
 
 impl<'a> Materials<'a> {
-    fn of(
-        root: &'a Root<'a>,
-        object: &'a CityObject<'a>,
-        geometry: &'a Geometry<'a>,
-        surfaces: usize,
-    ) -> Self {
+    fn of(root: &'a Root<'a>, geometry: &'a Geometry<'a>, surfaces: usize) -> Self {
         let theme = geometry.material.as_ref().and_then(|themes| themes.0.as_ref());
         let semantics = geometry.semantics.as_ref();
         // Lists of another length do not say which surface they mean.
@@ -393,18 +474,19 @@ impl<'a> Materials<'a> {
             each: theme.map_or(&[], |theme| fitting(&theme.values.values)),
             classes: semantics.map_or(&[], |semantics| &semantics.surfaces),
             class_of: semantics.map_or(&[], |semantics| fitting(&semantics.values.values)),
-            object: &object.kind,
         }
     }
 
-    fn painted(&self, surface: usize) -> Option<&json::Material<'a>> {
+    /// The material in the appearance.
+    fn painted(&self, surface: usize) -> Option<usize> {
         let index = self.all.or_else(|| self.each.get(surface).map(|&index| index as usize))?;
-        self.list.get(index)
+        (index < self.list.len()).then_some(index)
     }
 
-    fn class(&self, surface: usize) -> &str {
-        let class = self.class_of.get(surface).and_then(|&class| self.classes.get(class as usize));
-        class.map_or(self.object, |class| &class.kind)
+    /// Which of the semantic surfaces it is.
+    fn class(&self, surface: usize) -> Option<u32> {
+        let class = *self.class_of.get(surface)?;
+        ((class as usize) < self.classes.len()).then_some(class)
     }
 }
 

@@ -52,6 +52,8 @@ pub(super) struct Materials<'a> {
     pub(super) textures: Textures<'a>,
     /// By BSDF, and the light that the shape gives off.
     known: HashMap<(Option<u32>, Option<u32>), u32>,
+    /// By BSDF alone.
+    converted: HashMap<u32, Material>,
     /// How many materials have something that was replaced, by what that is.
     replaced: BTreeMap<String, u64>,
 }
@@ -74,7 +76,13 @@ fn shininess(alpha: f32) -> f32 {
 
 impl<'a> Materials<'a> {
     pub(super) fn new(textures: Textures<'a>) -> Self {
-        Self { list: Vec::new(), textures, known: HashMap::new(), replaced: BTreeMap::new() }
+        Self {
+            list: Vec::new(),
+            textures,
+            known: HashMap::new(),
+            converted: HashMap::new(),
+            replaced: BTreeMap::new(),
+        }
     }
 
     /// The material of a shape.
@@ -165,7 +173,23 @@ impl<'a> Materials<'a> {
         index.filter(|index: &f32| index.is_finite() && *index > 0.0).unwrap_or(missing)
     }
 
+    /// Converts a BSDF, once.
     fn of_bsdf(
+        &mut self,
+        document: &Document<'_>,
+        bsdf: u32,
+        depth: usize,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Material, LoadError> {
+        if let Some(known) = self.converted.get(&bsdf) {
+            return Ok(known.clone());
+        }
+        let material = self.convert(document, bsdf, depth, warnings)?;
+        self.converted.insert(bsdf, material.clone());
+        Ok(material)
+    }
+
+    fn convert(
         &mut self,
         document: &Document<'_>,
         bsdf: u32,
