@@ -59,15 +59,33 @@ pub(crate) struct Placement {
     flipped: bool,
     /// Texture coordinates count from the upper edge.
     from_above: bool,
+    /// The part's normals are left out.
+    faceted: bool,
 }
 
 impl Placement {
-    /// A placement by a transform; `flipped` makes what is outside the inside.
-    pub(crate) fn new(world: DMat4, flipped: bool, from_above: bool) -> Self {
+    /// A placement by a transform.
+    pub(crate) fn new(world: DMat4) -> Self {
         let linear = DMat3::from_mat4(world);
         let determinant = linear.determinant();
         let for_normals = if determinant == 0.0 { linear } else { linear.inverse().transpose() };
-        Self { world, for_normals, turned: (determinant < 0.0) != flipped, flipped, from_above }
+        let turned = determinant < 0.0;
+        Self { world, for_normals, turned, flipped: false, from_above: false, faceted: false }
+    }
+
+    /// Makes what is outside the inside.
+    pub(crate) fn flipped(self, flipped: bool) -> Self {
+        Self { turned: self.turned != flipped, flipped, ..self }
+    }
+
+    /// Turns texture coordinates round that count from the upper edge.
+    pub(crate) fn from_above(self, from_above: bool) -> Self {
+        Self { from_above, ..self }
+    }
+
+    /// Leaves the part's normals out.
+    pub(crate) fn faceted(self, faceted: bool) -> Self {
+        Self { faceted, ..self }
     }
 }
 
@@ -105,13 +123,13 @@ impl Gather {
                 self.uvs.append(part.uvs.as_ref(), &at, |uv| uv);
                 self.vertices.extend_from_slice(mesh.vertices());
             }
-            Some(&Placement { world, for_normals, flipped, from_above, .. }) => {
+            Some(&Placement { world, for_normals, flipped, from_above, faceted, .. }) => {
                 let sign = if flipped { -1.0 } else { 1.0 };
                 let normal = |n: [f32; 3]| {
                     let n = for_normals * DVec3::from(n.map(f64::from));
                     (sign * n).normalize_or_zero().as_vec3().to_array()
                 };
-                self.normals.append(part.normals.as_ref(), &at, normal);
+                self.normals.append(part.normals.as_ref().filter(|_| !faceted), &at, normal);
                 let uv = |[u, v]: [f32; 2]| if from_above { [u, 1.0 - v] } else { [u, v] };
                 self.uvs.append(part.uvs.as_ref(), &at, uv);
                 // The one place where coordinates become f32.

@@ -1,7 +1,8 @@
 //! Mitsuba's scenes: shapes, transforms, groups, materials, parameters, files beside the scene, and hostile ones.
 
 use slimkd_scene::{
-    Format, Light, LoadError, LoadOptions, LoadProgress, Scene, WarningKind, load, load_bytes, load_with,
+    Format, Light, LoadError, LoadOptions, LoadProgress, Scene, UpAxis, WarningKind, load, load_bytes,
+    load_with,
 };
 use std::{fs, io::Write};
 
@@ -55,6 +56,8 @@ fn shapes_by_numbers() {
     let outwards = pipe.normals.as_ref().unwrap().values.iter().zip(pipe.mesh.vertices());
     assert!(outwards.into_iter().all(|(n, v)| n[0] * v[0] + n[1] * v[1] > 1.99));
     assert!(faces_outwards(&pipe, [0.0, 0.0, 2.0]));
+    let faceted = scene(r#"<shape type="disk"><boolean name="face_normals" value="true"/></shape>"#);
+    assert!(faceted.normals.is_none());
     let disc = scene(r#"<shape type="disk"/>"#);
     assert_eq!(disc.mesh.len(), 48);
     assert!(faces_outwards(&disc, [0.0, 0.0, -1.0]));
@@ -160,6 +163,7 @@ fn lights_and_cameras() {
     close(scene.cameras[0].eye.to_array(), [0.0, 0.0, 9.0]);
     close(scene.cameras[0].target.to_array(), [0.0, 0.0, 8.0]);
     assert!((scene.cameras[0].fov - 90.0).abs() < 1e-4);
+    assert_eq!(scene.up, Some(UpAxis::Y));
     let counts: Vec<_> = scene.warnings.iter().map(|warning| warning.count()).collect();
     assert_eq!(counts, [Some((1, 2)), Some((1, 3)), Some((1, 2))]);
 }

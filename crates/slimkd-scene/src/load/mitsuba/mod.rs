@@ -10,6 +10,7 @@ mod materials;
 mod properties;
 pub(super) mod serialized;
 mod shapes;
+mod views;
 mod xml;
 
 use super::{
@@ -21,7 +22,7 @@ use super::{
     warn,
 };
 use crate::{
-    Camera, Light, Scene, Warning, WarningKind,
+    Scene, Warning, WarningKind,
     merge::{Gather, Placement},
 };
 use glam::{DMat4, DVec3};
@@ -193,10 +194,13 @@ impl Reader<'_> {
             }
         };
         self.spend(VERTEX * part.mesh.vertices().len() as u64 + TRIANGLE * part.mesh.len() as u64)?;
-        let flipped = document.is(element, "flip_normals", false);
         // Mitsuba's textures begin at their upper edge; only its OBJ loader turns the coordinates round.
         let from_above = !document.is(element, "flip_tex_coords", plugin == "obj");
-        self.gathered.append(&part, Some(&Placement::new(world, flipped, from_above)));
+        let placement = Placement::new(world)
+            .flipped(document.is(element, "flip_normals", false))
+            .from_above(from_above)
+            .faceted(document.is(element, "face_normals", false));
+        self.gathered.append(&part, Some(&placement));
         let material = self.materials.of_shape(document, element, &mut self.scene.warnings)?;
         self.material_ids.resize(self.gathered.len(), material);
         Ok(())
@@ -274,71 +278,6 @@ impl Reader<'_> {
             self.files.insert(file, Rc::clone(&part));
         }
         Ok(part)
-    }
-
-    fn light(&mut self, element: u32) -> Result<(), LoadError> {
-        let document = self.document;
-        self.counts.lights += 1;
-        let colour =
-            |name: &str| Ok::<_, LoadError>(document.colour(element, name)?.unwrap_or(glam::Vec3::ONE));
-        let world = document.transform(element, "to_world")?;
-        match document.at(element).plugin() {
-            "point" => {
-                let position = document.point(element, "position")?.unwrap_or(DVec3::ZERO);
-                let position = world.transform_point3(position).as_vec3();
-                self.scene.lights.push(Light::Point { position, intensity: colour("intensity")? });
-            }
-            "directional" => {
-                let direction = document.point(element, "direction")?.unwrap_or(DVec3::Z);
-                let direction = world.transform_vector3(direction).as_vec3();
-                if direction != glam::Vec3::ZERO && direction.is_finite() {
-                    let irradiance = colour("irradiance")?;
-                    self.scene.lights.push(Light::Directional { direction, irradiance });
-                }
-            }
-            other => {
-                let left_out = &mut self.counts.lights_left_out;
-                if left_out.len() < 32 {
-                    *left_out.entry(other.chars().take(40).collect()).or_default() += 1;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn camera(&mut self, element: u32) -> Result<(), LoadError> {
-        let document = self.document;
-        self.counts.cameras += 1;
-        if !matches!(document.at(element).plugin(), "perspective" | "thinlens") {
-            self.counts.cameras_left_out += 1;
-            return Ok(());
-        }
-        let world = document.transform(element, "to_world")?;
-        let film = document.children(element).find(|(_, child)| &*child.tag == "film").map(|(film, _)| film);
-        let size = |name: &str, missing: f64| -> Result<f64, LoadError> {
-            let size = film.map(|film| document.number(film, name)).transpose()?.flatten();
-            Ok(size.filter(|size| *size >= 1.0).unwrap_or(missing))
-        };
-        let aspect = size("width", 768.0)? / size("height", 576.0)?;
-        let axis = document.text(element, "fov_axis").unwrap_or("x");
-        let fov = document.number(element, "fov")?.unwrap_or(39.6);
-        let half = (0.5 * fov.clamp(0.01, 179.0)).to_radians().tan();
-        // The angle that is given may be that of the width, or of the diagonal.
-        let half = match axis {
-            "y" => half,
-            "smaller" if aspect >= 1.0 => half,
-            "larger" if aspect < 1.0 => half,
-            "diagonal" => half / (1.0 + aspect * aspect).sqrt(),
-            _ => half / aspect,
-        };
-        let (eye, forward) = (world.transform_point3(DVec3::ZERO), world.transform_vector3(DVec3::Z));
-        self.scene.cameras.push(Camera {
-            eye: eye.as_vec3(),
-            target: (eye + forward).as_vec3(),
-            up: world.transform_vector3(DVec3::Y).as_vec3(),
-            fov: (2.0 * half.atan()).to_degrees() as f32,
-        });
-        Ok(())
     }
 
     fn finish(self) -> Result<Scene, LoadError> {
