@@ -79,7 +79,7 @@ impl Placement {
     }
 
     /// Turns texture coordinates round that count from the upper edge.
-    pub(crate) fn from_above(self, from_above: bool) -> Self {
+    pub(crate) fn uvs_from_above(self, from_above: bool) -> Self {
         Self { from_above, ..self }
     }
 

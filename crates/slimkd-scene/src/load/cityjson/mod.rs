@@ -6,6 +6,7 @@
 
 mod city;
 mod json;
+mod surfaces;
 
 use super::{
     Format, LoadError, LoadProgress, Place,

@@ -198,7 +198,7 @@ impl Reader<'_> {
         let from_above = !document.is(element, "flip_tex_coords", plugin == "obj");
         let placement = Placement::new(world)
             .flipped(document.is(element, "flip_normals", false))
-            .from_above(from_above)
+            .uvs_from_above(from_above)
             .faceted(document.is(element, "face_normals", false));
         self.gathered.append(&part, Some(&placement));
         let material = self.materials.of_shape(document, element, &mut self.scene.warnings)?;
