@@ -2,19 +2,12 @@
 #![allow(dead_code, unreachable_pub)] // each test file uses its own part
 
 use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Layout, Preset, Ray, TriangleMesh};
+pub use slimkd_util::Rng;
 
 /// How many, from the environment or else `few`: what makes a campaign of a test.
 pub fn how_many(variable: &str, few: u64) -> u64 {
     std::env::var(variable)
         .map_or(few, |n| n.parse().unwrap_or_else(|_| panic!("{variable}={n} is no number")))
-}
-
-/// Says that a test needs what is not here, and why that is a pity. `SLIMKD_REQUIRE=qemu,objdump` makes that a failure for the tools that
-/// it names, so that nothing is skipped in silence where everything should run.
-pub fn missing(tool: &str, so: &str) {
-    let required = std::env::var("SLIMKD_REQUIRE").unwrap_or_default();
-    assert!(!required.split(',').any(|name| name == tool), "{tool} is missing: {so}");
-    println!("skipped: no {tool}, {so}");
 }
 
 /// Threads that a campaign takes, `SLIMKD_WORKERS`.
@@ -66,36 +59,6 @@ pub fn variants() -> Vec<(String, BuildOptions)> {
         out.push((format!("slim, {layout}"), options));
     }
     out
-}
-
-/// SplitMix64 (Steele, Lea & Flood 2014): small, seeded, the same everywhere.
-pub struct Rng(u64);
-
-impl Rng {
-    pub fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// In [0, 1).
-    pub fn unit(&mut self) -> f32 {
-        (self.next() >> 40) as f32 / (1u64 << 24) as f32
-    }
-
-    pub fn below(&mut self, n: usize) -> usize {
-        (self.next() % n as u64) as usize
-    }
-
-    pub fn point(&mut self) -> [f32; 3] {
-        [self.unit(), self.unit(), self.unit()]
-    }
 }
 
 /// Random triangles of mixed sizes in a cube of edge `scale` at `offset`.
