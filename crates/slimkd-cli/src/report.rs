@@ -1,10 +1,10 @@
 //! What `build` and `inspect` say about a tree, for scripts and for people.
 
-use crate::savings::Savings;
 use crate::trees::{Tree, thread_count};
 use crate::ui::{bytes, grouped};
 use serde::Serialize;
 use slimkd::{HoistAlgorithm, Layout, TreeStatistics};
+use slimkd_lab::measure::savings::{Savings, four_byte};
 use slimkd_lab::schema::{self, Nodes, References};
 use slimkd_scene::{MeshCheck, Warning};
 use std::fmt::Write;
@@ -254,8 +254,36 @@ impl Report {
             format!(", build {build:.3} s on {} threads ({rate:.0} k triangles/s)", self.threads)
         });
         rows.add("time", format!("load {:.3} s{built}", seconds.load));
-        rows.finish() + &self.savings.map_or_else(String::new, |savings| savings.table(tree))
+        rows.finish()
+            + &self.savings.map_or_else(String::new, |savings| savings_table(&savings, scene.triangles))
     }
+}
+
+/// Lines below the table.
+fn savings_table(savings: &Savings, triangles: u64) -> String {
+    let per_triangle = |bytes: u64| bytes as f64 / triangles.max(1) as f64;
+    let Savings { baseline, hoisting, collapse, layout } = *savings;
+    let mut rows = Rows::default();
+    rows.add("standard-style", amount(baseline, per_triangle(baseline)));
+    for (step, saved) in [("hoisting", hoisting), ("collapse", collapse), ("layout", layout)] {
+        let sign = if saved < 0 { '+' } else { '-' };
+        let size = saved.unsigned_abs();
+        let share = 100.0 * size as f64 / baseline.max(1) as f64;
+        let amount = amount(size, per_triangle(size));
+        rows.add(&format!("{sign} {step}"), format!("{amount}  {share:>5.1} % of it"));
+    }
+    rows.finish()
+}
+
+/// The line that stands for the savings where nothing was built for them.
+pub(crate) fn savings_hint(statistics: &TreeStatistics, bytes: u64) -> String {
+    let mut rows = Rows::default();
+    let by_layout = crate::ui::bytes(four_byte(statistics).saturating_sub(bytes));
+    rows.add(
+        "savings",
+        format!("{by_layout} by the layout; --savings builds again to show the rest, each apart"),
+    );
+    rows.finish()
 }
 
 /// What a tree was built with, costs aside.
@@ -316,22 +344,22 @@ pub(crate) fn histograms(statistics: &TreeStatistics) -> String {
 }
 
 /// Bytes, and bytes a triangle.
-pub(crate) fn amount(count: u64, per_triangle: f64) -> String {
+fn amount(count: u64, per_triangle: f64) -> String {
     format!("{:>10}  {per_triangle:8.2} B/triangle", bytes(count))
 }
 
 /// Lines of a name and a value.
 #[derive(Default)]
-pub(crate) struct Rows(String);
+struct Rows(String);
 
 impl Rows {
     /// Adds a line.
-    pub(crate) fn add(&mut self, name: &str, value: impl std::fmt::Display) {
+    fn add(&mut self, name: &str, value: impl std::fmt::Display) {
         let _ = writeln!(self.0, "{name:<18} {value}");
     }
 
     /// The lines.
-    pub(crate) fn finish(self) -> String {
+    fn finish(self) -> String {
         self.0
     }
 }

@@ -5,10 +5,10 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::saved::{self, is_saved};
 use crate::trees::Origin;
-use crate::ui::{Ui, Watched, grouped};
-use slimkd::KdTree;
+use crate::ui::{Ui, grouped};
+use slimkd::{KdTree, Progress};
 use slimkd_scene::procedural::{self, BuiltIn};
-use slimkd_scene::{FileKind, LoadError, LoadOptions, LoadProgress, Scene, Warning};
+use slimkd_scene::{FileKind, LoadError, LoadOptions, Scene, Warning};
 use std::fmt::Write;
 use std::fs::File;
 use std::num::NonZeroU32;
@@ -38,16 +38,6 @@ impl Loaded {
     }
 }
 
-impl Watched for LoadProgress {
-    fn fraction(&self) -> f64 {
-        self.fraction()
-    }
-
-    fn cancel(&self) {
-        self.cancel();
-    }
-}
-
 /// Loads a file, or generates the built-in scene of that name. `./kitchen` is always a file.
 pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded, Failure> {
     if details.scene_index.is_some() && (is_saved(path) || find(path).is_some()) {
@@ -70,7 +60,7 @@ pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded
     if !path.exists() {
         return Err(unknown(path));
     }
-    let (progress, started) = (LoadProgress::new(), Instant::now());
+    let (progress, started) = (Progress::new(), Instant::now());
     let mut options = LoadOptions::new();
     options.scene_index = details.scene_index;
     options.allow_outside = details.allow_outside;

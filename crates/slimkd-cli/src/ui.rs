@@ -33,6 +33,16 @@ impl Watched for slimkd::Progress {
     }
 }
 
+impl Watched for slimkd_lab::Progress {
+    fn fraction(&self) -> f64 {
+        self.fraction()
+    }
+
+    fn cancel(&self) {
+        self.cancel();
+    }
+}
+
 /// Where a command talks to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ui {

@@ -1,5 +1,6 @@
 //! The picture in memory, and its files.
 
+use crate::statistics::RenderStatistics;
 use crate::tone::Development;
 use glam::Vec3;
 use image::{ImageBuffer, ImageFormat, Rgb};
@@ -8,12 +9,19 @@ use std::io::{BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Linear RGB (sRGB primaries), rows from the top.
-#[derive(Clone, Debug, PartialEq)]
+/// Linear RGB (sRGB primaries), rows from the top. Films are equal that show the same, whatever rays they took.
+#[derive(Clone, Debug)]
 pub struct Film {
     width: u32,
     height: u32,
     pixels: Vec<[f32; 3]>,
+    rays: RenderStatistics,
+}
+
+impl PartialEq for Film {
+    fn eq(&self, other: &Self) -> bool {
+        (self.width, self.height) == (other.width, other.height) && self.pixels == other.pixels
+    }
 }
 
 /// Bits per channel of a PNG.
@@ -59,7 +67,7 @@ impl Film {
         let mut pixels = Vec::new();
         pixels.try_reserve_exact(count).map_err(|_| error())?;
         pixels.resize(count, [0.0; 3]);
-        Ok(Self { width, height, pixels })
+        Ok(Self { width, height, pixels, rays: RenderStatistics::default() })
     }
 
     /// Width, pixels.
@@ -80,6 +88,16 @@ impl Film {
     /// The same, to change.
     pub fn pixels_mut(&mut self) -> &mut [[f32; 3]] {
         &mut self.pixels
+    }
+
+    /// The rays that were traced for it.
+    pub fn rays(&self) -> RenderStatistics {
+        self.rays
+    }
+
+    /// Adds to the rays that were traced for it; for whoever renders it.
+    pub fn add_rays(&mut self, rays: RenderStatistics) {
+        self.rays += rays;
     }
 
     /// The colour at column `x`, row `y`.

@@ -1,7 +1,7 @@
 //! OBJ files and their materials.
 
 use glam::Vec3;
-use slimkd_scene::{Format, LoadError, LoadOptions, LoadProgress, Place, Scene, load_bytes, load_with};
+use slimkd_scene::{Format, LoadError, LoadOptions, Place, Scene, load_bytes, load_with};
 use std::fs;
 
 fn parse(text: &str) -> Scene {
@@ -64,7 +64,7 @@ fn materials_and_textures_come_from_beside_the_file() {
          f 1 2 3\nusemtl filter\nf 1 2 3\n",
     )
     .unwrap();
-    let progress = LoadProgress::new();
+    let progress = slimkd::Progress::new();
     let scene = load_with(at("scene.obj"), &LoadOptions::new(), &progress).unwrap();
     assert_eq!(progress.fraction(), 1.0);
     assert_eq!(scene.name, "scene");

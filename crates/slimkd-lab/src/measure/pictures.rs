@@ -31,7 +31,7 @@ pub(super) fn measure(
     trees.ensure(Preset::Standard)?;
     let scene = trees.scene;
     let settings = RenderSettings::sized(edge, edge);
-    let progress = session.progress.rendering();
+    let progress = session.progress.piece();
     let tree = trees.get(Preset::Standard);
     let film =
         render(scene, tree, &view.camera(), &scene.lights, &settings, &progress).map_err(

@@ -230,7 +230,7 @@ impl<'a> Session<'a> {
     }
 
     pub(super) fn check(&self) -> Result<(), ReportError> {
-        if self.progress.is_cancelled() { Err(ReportError::Cancelled) } else { Ok(()) }
+        self.progress.check()
     }
 
     fn published(&self, scene: &slimkd_scene::Scene, very_large: bool) -> Option<Published> {

@@ -3,12 +3,14 @@
 //! Whatever two runs on one machine differ in is called `seconds`, `seconds_*` or `date`.
 
 pub(crate) mod published;
+mod rates;
 mod sizes;
 
 use crate::basics::machine::Machine;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+pub use rates::{FrameRate, Rate, RatesReport};
 pub use sizes::{Bytes, Nodes, References};
 
 /// Version of the keys.
