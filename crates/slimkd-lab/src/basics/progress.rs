@@ -39,8 +39,8 @@ impl Progress {
     }
 
     /// An error once the work was cancelled.
-    pub(crate) fn check(&self) -> Result<(), crate::ReportError> {
-        if self.is_cancelled() { Err(crate::ReportError::Cancelled) } else { Ok(()) }
+    pub(crate) fn check(&self) -> Result<(), crate::basics::ReportError> {
+        if self.is_cancelled() { Err(crate::basics::ReportError::Cancelled) } else { Ok(()) }
     }
 
     /// More work is known of.

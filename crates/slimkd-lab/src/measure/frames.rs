@@ -3,8 +3,8 @@
 use super::session::Session;
 use super::trees::Trees;
 pub use crate::basics::DeviceError;
+use crate::basics::{Progress, ReportError};
 use crate::schema::{Frames, Timed, View};
-use crate::{Progress, ReportError};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use slimkd::{KdTree, Preset};
 use slimkd_render::{Film, RenderError, RenderSettings, render};

@@ -4,7 +4,7 @@ use super::heat::pixels;
 use super::session::Session;
 use super::store;
 use super::trees::Trees;
-use crate::ReportError;
+use crate::basics::ReportError;
 use crate::basics::palette::duplication_colour;
 use crate::schema::{Picture, View};
 use glam::Vec3;

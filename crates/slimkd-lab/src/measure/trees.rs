@@ -2,7 +2,7 @@
 
 use super::session::Session;
 use super::shape::shape;
-use crate::ReportError;
+use crate::basics::ReportError;
 use crate::schema::{Build, EdgeInterval, Interval, Tree};
 use slimkd::{BuildError, BuildOptions, KdTree, Preset, TreeStatistics, TriangleMesh};
 use slimkd_scene::Scene;

@@ -1,6 +1,8 @@
 //! Meshes and rays that several tests use.
 #![allow(dead_code, unreachable_pub)] // each test file uses its own part
 
+pub mod layers;
+
 use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Layout, Preset, Ray, TriangleMesh};
 pub use slimkd_util::Rng;
 

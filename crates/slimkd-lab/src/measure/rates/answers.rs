@@ -1,8 +1,8 @@
 //! Rates of trees that must agree: every answer is compared before the clock runs, then the trees take turns.
 
 use super::{Kernel, Named, RayTracer};
+use crate::basics::{Progress, ReportError};
 use crate::workload::{Found, Workload};
-use crate::{Progress, ReportError};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use slimkd::Tracer as _;

@@ -5,11 +5,11 @@ mod kernel;
 
 use super::frames::{Device, Frame, frames};
 use crate::basics::median::median;
+use crate::basics::{Progress, ReportError};
 use crate::schema::{FrameRate, Rate};
 use crate::workload::{
     BLOCK_PIXELS, Found, Kind, Order, Recipe, Workload, generate_from, primary as primary_rays,
 };
-use crate::{Progress, ReportError};
 use answers::{Answers, agree, agree_with_cpu};
 pub use kernel::Kernel;
 use rayon::ThreadPool;
