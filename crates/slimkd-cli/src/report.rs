@@ -28,7 +28,7 @@ pub(crate) struct Report {
     max_depth: u32,
     sah_cost: f64,
     seconds: Seconds,
-    /// What the scene's loader left out, replaced or found odd, a line each.
+    /// What the scene is warned of, a line each; of several files, each line names its own.
     warnings: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     mesh_check: Option<Check>,
@@ -157,9 +157,9 @@ impl Report {
         }
     }
 
-    /// The report with what the scene's loader warned of.
-    pub(crate) fn with_warnings(self, warnings: &[Warning]) -> Self {
-        Self { warnings: warnings.iter().map(Warning::to_string).collect(), ..self }
+    /// The report with what the scene is warned of.
+    pub(crate) fn with_warnings<'a>(self, warnings: impl Iterator<Item = &'a Warning>) -> Self {
+        Self { warnings: warnings.map(Warning::to_string).collect(), ..self }
     }
 
     /// The report with what is wrong with the mesh.

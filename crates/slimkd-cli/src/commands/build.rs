@@ -53,7 +53,7 @@ pub(crate) fn run(args: &BuildArgs, ui: Ui) -> Result<(), Failure> {
     drop(loaded.tree.take());
     let (scene, options) = (&loaded.scene, args.tree.options());
     let tree = trees::build(&loaded.origin(), &scene.mesh, &options, ui)?;
-    trees::warn_of_degenerate(&tree.statistics, ui);
+    let degenerate = trees::warn_of_degenerate(&tree, ui)?;
     if let Some(output) = output {
         let mut draft = output.draft()?;
         let written = match args.no_mesh {
@@ -74,7 +74,9 @@ pub(crate) fn run(args: &BuildArgs, ui: Ui) -> Result<(), Failure> {
     };
     let measure = || Savings::measure((&tree.statistics, bytes), &options, other);
     let savings = args.savings.then(measure).transpose()?;
-    let report = Report::new(&tree, args.tree.threads).with_savings(savings).with_warnings(&scene.warnings);
+    let report = Report::new(&tree, args.tree.threads)
+        .with_savings(savings)
+        .with_warnings(scene.warnings.iter().chain(&degenerate));
     if args.json {
         return ui::print_json(&report);
     }

@@ -149,7 +149,7 @@ pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
     } else {
         compare_presets(&loaded, args, ui)?
     };
-    trees::warn_of_degenerate(&tree.statistics, ui);
+    trees::warn_of_degenerate(&tree, ui)?;
 
     let camera = cameras::choose(&args.camera, &loaded, &tree.tree, 1)?[0].1;
     let settings = args.picture.settings(args.tree.threads);

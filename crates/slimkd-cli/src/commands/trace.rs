@@ -141,7 +141,7 @@ impl Source {
         }
         let mut loaded = scenes::load_all(scene, &args.more.more, &args.scene.details, ui)?;
         let tree = trees::take_or_build(&mut loaded, &args.tree, ui)?;
-        trees::warn_of_degenerate(&tree.statistics, ui);
+        trees::warn_of_degenerate(&tree, ui)?;
         Ok(Self::Proved(Box::new(tree.tree)))
     }
 }

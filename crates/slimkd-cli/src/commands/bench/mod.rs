@@ -87,7 +87,7 @@ pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
     cameras::settle_up(&args.camera, &mut loaded.scene);
     let built = contenders(args, &mut loaded, ui)?;
     let scene = &loaded.scene;
-    trees::warn_of_degenerate(&built[0].1.statistics, ui);
+    trees::warn_of_degenerate(&built[0].1, ui)?;
     let views = cameras::choose(&args.camera, &loaded, &built[0].1.tree, cameras::VIEWS)?;
     let trees: Vec<Named<'_>> = built.iter().map(|(preset, tree)| (preset.name(), &tree.tree)).collect();
     let mut counts = args.threads.clone();
