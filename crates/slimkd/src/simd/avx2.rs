@@ -1,31 +1,14 @@
 //! AVX2: 8 lanes, masks as vectors of all ones or zeros.
 
-use super::{Simd, lane_at, load_row, load_two, methods, operators};
+use super::macros::{methods, operators, vectors};
+use super::{Simd, lane_at, lanes, load_row, load_two};
 use std::arch::x86_64::*;
 
 const WIDTH: usize = 8;
 
-/// Proof of AVX2, BMI1, BMI2, LZCNT and POPCNT.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Avx2(());
-
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct F32(__m256);
-/// Lower and upper four lanes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct F64(__m256d, __m256d);
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct U32(__m256i);
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Mask(__m256);
-
-impl Avx2 {
-    /// # Safety
-    /// The processor must have AVX2, BMI1, BMI2, LZCNT and POPCNT.
-    #[inline(always)]
-    pub(crate) unsafe fn new() -> Self {
-        Self(())
-    }
+vectors! {
+    Avx2 proves "AVX2, BMI1, BMI2, LZCNT and POPCNT";
+    F32(__m256), F64(__m256d, __m256d), U32(__m256i), Mask(__m256)
 }
 
 operators! {
@@ -47,37 +30,13 @@ operators! {
         BitAnd::bitand = |a, b| U32(_mm256_and_si256(a.0, b.0));
         BitOr::bitor = |a, b| U32(_mm256_or_si256(a.0, b.0));
         BitXor::bitxor = |a, b| U32(_mm256_xor_si256(a.0, b.0));
+        Shl::shl = |a, by: u32| U32(_mm256_sll_epi32(a.0, _mm_cvtsi32_si128(by as i32)));
+        Shr::shr = |a, by: u32| U32(_mm256_srl_epi32(a.0, _mm_cvtsi32_si128(by as i32)));
     }
     Mask {
         BitAnd::bitand = |a, b| Mask(_mm256_and_ps(a.0, b.0));
         BitOr::bitor = |a, b| Mask(_mm256_or_ps(a.0, b.0));
-    }
-}
-
-impl std::ops::Shl<u32> for U32 {
-    type Output = Self;
-    #[inline(always)]
-    fn shl(self, by: u32) -> Self {
-        // SAFETY: the vector proves the instructions.
-        unsafe { Self(_mm256_sll_epi32(self.0, _mm_cvtsi32_si128(by as i32))) }
-    }
-}
-
-impl std::ops::Shr<u32> for U32 {
-    type Output = Self;
-    #[inline(always)]
-    fn shr(self, by: u32) -> Self {
-        // SAFETY: the vector proves the instructions.
-        unsafe { Self(_mm256_srl_epi32(self.0, _mm_cvtsi32_si128(by as i32))) }
-    }
-}
-
-impl std::ops::Not for Mask {
-    type Output = Self;
-    #[inline(always)]
-    fn not(self) -> Self {
-        // SAFETY: the vector proves the instructions.
-        unsafe { Self(_mm256_xor_ps(self.0, _mm256_castsi256_ps(_mm256_set1_epi32(-1)))) }
+        Not::not = |a| Mask(_mm256_xor_ps(a.0, _mm256_castsi256_ps(_mm256_set1_epi32(-1))));
     }
 }
 
@@ -197,8 +156,7 @@ impl Simd for Avx2 {
     #[inline(always)]
     unsafe fn gather_u32<const SCALE: i32>(self, base: *const u8, index: U32) -> U32 {
         // Not the instruction: see `load_two`; and QEMU 7.2 gives every lane the first one's value.
-        let (mut at, mut lanes) = ([0; WIDTH], [0; WIDTH]);
-        self.store_u32(index, &mut at);
+        let (at, mut lanes) = (lanes::<_, WIDTH>(self, index), [0; WIDTH]);
         for (lane, &at) in lanes.iter_mut().zip(&at) {
             // SAFETY: the caller vouches for the addresses.
             *lane = unsafe { base.add(at as usize * SCALE as usize).cast::<u32>().read_unaligned() };
@@ -207,15 +165,13 @@ impl Simd for Avx2 {
     }
     #[inline(always)]
     unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, index: U32) -> (U32, U32) {
-        let mut at = [0; WIDTH];
-        self.store_u32(index, &mut at);
+        let at = lanes::<_, WIDTH>(self, index);
         // SAFETY: the caller's promise.
         unsafe { self.load_pairs::<SCALE>(base, &at) }
     }
     #[inline(always)]
     unsafe fn gather_rows<const SCALE: i32>(self, base: *const u8, index: U32) -> [U32; 4] {
-        let mut at = [0; WIDTH];
-        self.store_u32(index, &mut at);
+        let at = lanes::<_, WIDTH>(self, index);
         // SAFETY: the token proves the instructions; the caller vouches for the addresses.
         unsafe { rows(base, SCALE as usize, &at) }
     }
