@@ -3,8 +3,7 @@
 use crate::statistics::RenderStatistics;
 use crate::tone::Development;
 use glam::Vec3;
-use image::{ImageBuffer, ImageFormat, Rgb};
-use slimkd_util::whole_file;
+use slimkd_util::{png, whole_file};
 use std::io::{BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -161,21 +160,16 @@ impl Film {
     /// Encodes a PNG.
     fn write_png(
         &self,
-        to: &mut (impl Write + Seek),
+        to: &mut impl Write,
         development: &Development,
         depth: BitDepth,
     ) -> Result<(), String> {
-        let too_large = || "too many pixels for a PNG".to_owned();
+        let size = [self.width, self.height];
         match depth {
-            BitDepth::Eight => {
-                let bytes = self.to_srgb8(development);
-                let picture = ImageBuffer::<Rgb<u8>, _>::from_raw(self.width, self.height, bytes);
-                picture.ok_or_else(too_large)?.write_to(to, ImageFormat::Png)
-            }
+            BitDepth::Eight => png::write(to, size, &self.to_srgb8(development)),
             BitDepth::Sixteen => {
                 let words: Vec<u16> = self.developed(development, 65535.0).map(|x| x as u16).collect();
-                let picture = ImageBuffer::<Rgb<u16>, _>::from_raw(self.width, self.height, words);
-                picture.ok_or_else(too_large)?.write_to(to, ImageFormat::Png)
+                png::write_16(to, size, &words)
             }
         }
         .map_err(|e| e.to_string())
