@@ -7,9 +7,6 @@ use slimkd::KdTree;
 use slimkd_render::views;
 use slimkd_scene::{Camera, Scene};
 
-/// How many views a scene has.
-pub(crate) const VIEWS: usize = 3;
-
 /// Settles which way is up: as the command line says, else as the file says, else by a guess.
 pub(crate) fn settle_up(args: &CameraArgs, scene: &mut Scene) {
     scene.up = args.up().or(scene.up).or_else(|| Some(views::guess_up(&scene.mesh)));

@@ -66,48 +66,41 @@ struct Bytes {
 /// What [`MeshCheck`] found.
 #[derive(Debug, Serialize)]
 struct Check {
-    open_edges: u64,
-    non_manifold_edges: u64,
-    flipped_edges: u64,
-    duplicate_triangles: u64,
-    degenerate_triangles: u64,
-    parts: u64,
-    minimum: [f32; 3],
-    maximum: [f32; 3],
-    step: f32,
-    mean_edge: f64,
+    #[serde(flatten)]
+    found: MeshCheck,
     coarse: bool,
 }
 
 impl Check {
     fn rows(&self, rows: &mut Rows) {
+        let Self { found, coarse } = self;
         rows.add(
             "edges",
             format!(
                 "{} open, {} of more than two triangles, {} between triangles that face opposite ways",
-                grouped(self.open_edges),
-                grouped(self.non_manifold_edges),
-                grouped(self.flipped_edges)
+                grouped(found.open_edges),
+                grouped(found.non_manifold_edges),
+                grouped(found.flipped_edges)
             ),
         );
         rows.add(
             "triangles",
             format!(
                 "{} duplicate, {} degenerate; {} parts",
-                grouped(self.duplicate_triangles),
-                grouped(self.degenerate_triangles),
-                grouped(self.parts)
+                grouped(found.duplicate_triangles),
+                grouped(found.degenerate_triangles),
+                grouped(found.parts)
             ),
         );
-        let [low, high] = [self.minimum, self.maximum].map(|[x, y, z]| format!("{x} {y} {z}"));
-        let hint = if self.coarse {
-            let farthest = self.minimum.iter().chain(&self.maximum).fold(0f32, |far, x| far.max(x.abs()));
+        let [low, high] = [found.minimum, found.maximum].map(|[x, y, z]| format!("{x} {y} {z}"));
+        let hint = if *coarse {
+            let farthest = found.minimum.iter().chain(&found.maximum).fold(0f32, |far, x| far.max(x.abs()));
             format!(
                 ": coordinates of {farthest:e} with f32 steps of {}, edges of {:.3e}: georeferenced? subtract an origin",
-                self.step, self.mean_edge
+                found.step, found.mean_edge
             )
         } else {
-            format!("; f32 steps of {:.1e}, mean edge {:.3e}", self.step, self.mean_edge)
+            format!("; f32 steps of {:.1e}, mean edge {:.3e}", found.step, found.mean_edge)
         };
         rows.add("extent", format!("{low} to {high}{hint}"));
     }
@@ -164,19 +157,7 @@ impl Report {
 
     /// The report with what is wrong with the mesh.
     pub(crate) fn with_mesh_check(self, check: &MeshCheck) -> Self {
-        let check = Check {
-            open_edges: check.open_edges,
-            non_manifold_edges: check.non_manifold_edges,
-            flipped_edges: check.flipped_edges,
-            duplicate_triangles: check.duplicate_triangles,
-            degenerate_triangles: check.degenerate_triangles,
-            parts: check.parts,
-            minimum: check.minimum,
-            maximum: check.maximum,
-            step: check.step,
-            mean_edge: check.mean_edge,
-            coarse: check.is_coarse(),
-        };
+        let check = Check { found: *check, coarse: check.is_coarse() };
         Self { mesh_check: Some(check), ..self }
     }
 

@@ -9,7 +9,7 @@ const MOST_POSITIONS: usize = 1 << 31;
 const FEWEST_STEPS: f64 = 1024.0;
 
 /// What is wrong with a mesh. Vertices of equal position count as one, and triangles without area have no edges.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 #[non_exhaustive]
 pub struct MeshCheck {
     /// Edges that a single triangle has: the mesh has a border or a hole there.

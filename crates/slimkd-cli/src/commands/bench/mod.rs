@@ -14,6 +14,7 @@ use slimkd_lab::measure::rates::{Kernel, MOST_RAYS, Named, Rates, RayDevice};
 use slimkd_lab::measure::{self, Cpu};
 use slimkd_lab::schema::RatesReport;
 use slimkd_lab::{Progress, ReportError};
+use slimkd_render::views::VIEWS;
 use std::num::NonZeroUsize;
 
 const EXAMPLES: &str = "\
@@ -88,7 +89,7 @@ pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
     let built = contenders(args, &mut loaded, ui)?;
     let scene = &loaded.scene;
     trees::warn_of_degenerate(&built[0].1, ui)?;
-    let views = cameras::choose(&args.camera, &loaded, &built[0].1.tree, cameras::VIEWS)?;
+    let views = cameras::choose(&args.camera, &loaded, &built[0].1.tree, VIEWS)?;
     let trees: Vec<Named<'_>> = built.iter().map(|(preset, tree)| (preset.name(), &tree.tree)).collect();
     let mut counts = args.threads.clone();
     counts.dedup();
