@@ -36,8 +36,8 @@ macro_rules! operators {
                 #[inline(always)]
                 fn $method(self $(, $b: operators!(@operand $($type)?))?) -> Self {
                     let $a = self;
-                    // SAFETY: a vector exists only where a token exists, which proves the instructions.
                     #[allow(unused_unsafe)] // masks that are plain bits
+                    // SAFETY: a vector exists only where a token exists, which proves the instructions.
                     unsafe { $body }
                 }
             }
