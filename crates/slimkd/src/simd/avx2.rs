@@ -1,7 +1,7 @@
 //! AVX2: 8 lanes, masks as vectors of all ones or zeros.
 
 use super::macros::{methods, operators, vectors};
-use super::{Simd, lane_at, lanes, load_row, load_two};
+use super::{Simd, lane_at, load_row, load_two};
 use std::arch::x86_64::*;
 
 const WIDTH: usize = 8;
@@ -156,7 +156,8 @@ impl Simd for Avx2 {
     #[inline(always)]
     unsafe fn gather_u32<const SCALE: i32>(self, base: *const u8, index: U32) -> U32 {
         // Not the instruction: see `load_two`; and QEMU 7.2 gives every lane the first one's value.
-        let (at, mut lanes) = (lanes::<_, WIDTH>(self, index), [0; WIDTH]);
+        let (mut at, mut lanes) = ([0; WIDTH], [0; WIDTH]);
+        self.store_u32(index, &mut at);
         for (lane, &at) in lanes.iter_mut().zip(&at) {
             // SAFETY: the caller vouches for the addresses.
             *lane = unsafe { base.add(at as usize * SCALE as usize).cast::<u32>().read_unaligned() };
@@ -165,13 +166,15 @@ impl Simd for Avx2 {
     }
     #[inline(always)]
     unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, index: U32) -> (U32, U32) {
-        let at = lanes::<_, WIDTH>(self, index);
+        let mut at = [0; WIDTH];
+        self.store_u32(index, &mut at);
         // SAFETY: the caller's promise.
         unsafe { self.load_pairs::<SCALE>(base, &at) }
     }
     #[inline(always)]
     unsafe fn gather_rows<const SCALE: i32>(self, base: *const u8, index: U32) -> [U32; 4] {
-        let at = lanes::<_, WIDTH>(self, index);
+        let mut at = [0; WIDTH];
+        self.store_u32(index, &mut at);
         // SAFETY: the token proves the instructions; the caller vouches for the addresses.
         unsafe { rows(base, SCALE as usize, &at) }
     }

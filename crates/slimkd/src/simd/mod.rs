@@ -290,7 +290,7 @@ unsafe fn load_row(base: *const u8, scale: usize, at: &[u32], lane: usize) -> st
     unsafe { std::arch::x86_64::_mm_loadu_si128(base.add(lane_at(at, lane) * scale).cast()) }
 }
 
-/// The lanes of a vector, in memory.
+/// The lanes of a vector, in memory. AVX2 stores them in place instead: behind [`lane_at`]'s volatile reads the copy would stay.
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 #[inline(always)]
 fn lanes<S: Simd, const WIDTH: usize>(simd: S, x: S::U) -> [u32; WIDTH] {
