@@ -2,9 +2,9 @@
 
 #[path = "../../../slimkd/tests/common/layers.rs"]
 #[allow(unreachable_pub)]
-mod layers;
+mod arrows;
 
-use layers::{assert_arrows_point_down, rooms_of_page};
+use arrows::{assert_arrows_point_down, rooms_of_page};
 use std::fs;
 use std::path::Path;
 
