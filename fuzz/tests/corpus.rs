@@ -2,6 +2,7 @@
 //!
 //! `SLIMKD_FUZZ_SEEDS=1` writes the seeds anew; `SLIMKD_FUZZ_TIMES=100` makes a hundred times as many mutations.
 
+use slimkd_util::Rng;
 use std::fs;
 use std::path::PathBuf;
 
@@ -30,32 +31,15 @@ fn folder(target: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("corpus").join(target)
 }
 
-/// SplitMix64.
-struct Rng(u64);
-
-impl Rng {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n.max(1) as u64) as usize
-    }
-}
-
 fn mutate(data: &mut Vec<u8>, rng: &mut Rng) {
     for _ in 0..1 + rng.below(4) {
         let at = rng.below(data.len());
         match rng.below(6) {
             0 if at < data.len() => data[at] ^= 1 << rng.below(8),
-            1 if at < data.len() => data[at] = rng.next() as u8,
+            1 if at < data.len() => data[at] = rng.bits() as u8,
             2 if at < data.len() => data[at] = [0, 1, 0x7f, 0x80, 0xff][rng.below(5)],
             3 => data.truncate(at),
-            4 => data.insert(at, rng.next() as u8),
+            4 => data.insert(at, rng.bits() as u8),
             _ => {
                 let piece: Vec<u8> = data[at..].iter().take(1 + rng.below(16)).copied().collect();
                 let to = rng.below(data.len() + 1);
@@ -76,7 +60,7 @@ fn nothing_breaks_a_target() {
             fs::read_dir(folder(name)).unwrap().map(|file| file.unwrap().path()).collect();
         files.sort();
         assert!(!files.is_empty(), "{name}");
-        let mut rng = Rng(7);
+        let mut rng = Rng::new(7);
         for file in files {
             let seed = fs::read(&file).unwrap();
             target(&seed);

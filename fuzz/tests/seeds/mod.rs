@@ -2,8 +2,9 @@
 
 mod scenes;
 
-use super::{Rng, folder};
+use super::folder;
 use slimkd::{BuildOptions, KdTree, Preset};
+use slimkd_util::Rng;
 use std::fs;
 
 fn put(target: &str, name: &str, data: &[u8]) {
@@ -12,8 +13,8 @@ fn put(target: &str, name: &str, data: &[u8]) {
 
 /// Writes every seed.
 pub fn write() {
-    let mut rng = Rng(1);
-    let mut noise = |length: usize| (0..length).map(|_| rng.next() as u8).collect::<Vec<_>>();
+    let mut rng = Rng::new(1);
+    let mut noise = |length: usize| (0..length).map(|_| rng.bits() as u8).collect::<Vec<_>>();
     for k in 0..6 {
         put("soup", &format!("seed-{k}"), &noise(100 << k));
         put("rays", &format!("seed-{k}"), &noise(32 * (k + 1)));

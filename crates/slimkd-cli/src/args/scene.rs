@@ -26,7 +26,7 @@ pub(crate) struct MoreScenes {
 /// What belongs to a scene beside its name.
 #[derive(Clone, Debug, Default, Args)]
 pub(crate) struct SceneDetails {
-    /// How many triangles a built-in scene gets, 1 to 100000000
+    /// How many triangles a built-in scene gets, 1 to 100000000; of several, each
     #[arg(long, value_name = "N", value_parser = triangles)]
     pub(crate) triangles: Option<NonZeroU32>,
     /// The scene that a tree.skd was built from: needed where it was saved with --no-mesh, and brings its materials

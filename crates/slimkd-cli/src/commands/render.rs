@@ -5,13 +5,12 @@ use crate::device::{self, Choice, Device};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::trees::{self, Tree};
-use crate::ui::{Ui, Watched, bytes, grouped};
+use crate::ui::{Ui, bytes, grouped};
 use crate::{cameras, interrupt, scenes, ui};
 use clap::{Args, ValueEnum};
-use slimkd::{KdTree, Preset};
-use slimkd_render::{
-    BitDepth, Development, Film, RenderError, RenderProgress, RenderSettings, Setup, ToneMap, render,
-};
+use slimkd::{KdTree, Preset, Progress};
+use slimkd_lab::measure::DeviceError;
+use slimkd_render::{BitDepth, Development, Film, RenderError, RenderSettings, ToneMap, render};
 use slimkd_scene::{Camera, Scene};
 use std::fmt::Write;
 use std::num::NonZeroU32;
@@ -132,16 +131,6 @@ impl PictureArgs {
     }
 }
 
-impl Watched for RenderProgress {
-    fn fraction(&self) -> f64 {
-        self.fraction()
-    }
-
-    fn cancel(&self) {
-        self.cancel();
-    }
-}
-
 /// Builds, renders, writes.
 pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
     args.tree.tuning.check()?;
@@ -163,16 +152,16 @@ pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
     } else {
         compare_presets(&loaded, args, ui)?
     };
-    trees::warn_of_degenerate(&tree.statistics, ui);
+    trees::warn_of_degenerate(&tree, ui)?;
 
-    let camera = cameras::choose(&args.camera, &loaded, &tree.tree, 1)?[0].camera;
+    let camera = cameras::choose(&args.camera, &loaded, &tree.tree, 1)?[0].1;
     let settings = args.picture.settings(args.tree.threads);
     let picture = Picture { place: &loaded.place, scene: &loaded.scene, tree: &tree.tree, camera, settings };
     let rendered = match &device {
         Some(device) => args.device.or_cpu(picture.on(device.as_ref(), ui)?, ui)?,
         None => None,
     };
-    let Rendered { film, rays, seconds } = match rendered {
+    let (film, seconds) = match rendered {
         Some(rendered) => rendered,
         None => picture.on_the_cpu(ui)?,
     };
@@ -183,7 +172,7 @@ pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
         args.output.display(),
         film.width(),
         film.height(),
-        grouped(rays)
+        grouped(film.rays().total())
     ));
     Ok(())
 }
@@ -197,12 +186,8 @@ struct Picture<'a> {
     settings: RenderSettings,
 }
 
-/// A picture, and what it took.
-struct Rendered {
-    film: Film,
-    rays: u64,
-    seconds: f64,
-}
+/// A picture, and the seconds that it took.
+type Rendered = (Film, f64);
 
 impl Picture<'_> {
     fn on_the_cpu(&self, ui: Ui) -> Result<Rendered, Failure> {
@@ -214,17 +199,12 @@ impl Picture<'_> {
     /// The inner error is the device's.
     fn on(&self, device: &dyn Device, ui: Ui) -> Result<Result<Rendered, String>, Failure> {
         let Self { scene, tree, camera, settings, .. } = self;
-        let setup =
-            Setup::new(scene, tree, camera, &scene.lights, settings).map_err(|error| self.failure(error))?;
-        let rendered = watched(ui, |progress| {
-            let picture =
-                device.scene(scene, tree).and_then(|scene| scene.picture(&setup, settings, progress));
-            picture.map_err(Some)?.map(|(film, _)| film).ok_or(None)
-        });
+        let rendered =
+            watched(ui, |progress| Ok(device.scene(scene, tree)?.picture(camera, settings, progress)?.0));
         match rendered {
             Ok(rendered) => Ok(Ok(rendered)),
-            Err(Some(error)) => Ok(Err(error)),
-            Err(None) => Err(Failure::Interrupted),
+            Err(DeviceError::Render(error)) => Err(self.failure(error)),
+            Err(error) => Ok(Err(error.to_string())),
         }
     }
 
@@ -238,11 +218,10 @@ impl Picture<'_> {
     }
 }
 
-fn watched<E>(ui: Ui, work: impl FnOnce(&RenderProgress) -> Result<Film, E>) -> Result<Rendered, E> {
-    let (progress, started) = (RenderProgress::new(), Instant::now());
+fn watched<E>(ui: Ui, work: impl FnOnce(&Progress) -> Result<Film, E>) -> Result<Rendered, E> {
+    let (progress, started) = (Progress::new(), Instant::now());
     let film = ui.watch("render", &progress, || work(&progress))?;
-    let (rays, seconds) = (progress.statistics().total(), started.elapsed().as_secs_f64());
-    Ok(Rendered { film, rays, seconds })
+    Ok((film, started.elapsed().as_secs_f64()))
 }
 
 /// Builds the scene's tree under every preset, one after the other, shows how large each is, and keeps the one that

@@ -111,7 +111,7 @@ pub enum LoadError {
     /// More vertices or triangles than 32-bit ids can name: split the scene.
     #[error(transparent)]
     Mesh(#[from] slimkd::MeshError),
-    /// [`super::LoadProgress::cancel`] was called.
+    /// [`slimkd::Progress::cancel`] was called.
     #[error("loading was cancelled; run it again")]
     Cancelled,
 }

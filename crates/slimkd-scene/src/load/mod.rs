@@ -25,10 +25,11 @@ mod weld;
 
 pub use error::{LoadError, Place};
 pub use options::LoadOptions;
-pub use progress::LoadProgress;
 pub use source::Compression;
 
 use crate::{Material, Scene, warning::warn};
+use progress::Loading;
+use slimkd::Progress;
 use source::Folder;
 use std::{fmt, path::Path};
 
@@ -141,20 +142,21 @@ impl From<Format> for FileKind {
 /// # Ok::<(), slimkd_scene::LoadError>(())
 /// ```
 pub fn load(path: impl AsRef<Path>) -> Result<Scene, LoadError> {
-    load_with(path, &LoadOptions::new(), &LoadProgress::new())
+    load_with(path, &LoadOptions::new(), &Progress::new())
 }
 
 /// Loads a scene file as [`load`] does, with choices of the caller, and reports to `progress`, which can also cancel it.
 ///
 /// ```no_run
-/// use slimkd_scene::{LoadOptions, LoadProgress, load_with};
-/// let second = load_with("model.glb", &LoadOptions::new().scene_index(1), &LoadProgress::new())?;
+/// use slimkd::Progress;
+/// use slimkd_scene::{LoadOptions, load_with};
+/// let second = load_with("model.glb", &LoadOptions::new().scene_index(1), &Progress::new())?;
 /// # Ok::<(), slimkd_scene::LoadError>(())
 /// ```
 pub fn load_with(
     path: impl AsRef<Path>,
     options: &LoadOptions,
-    progress: &LoadProgress,
+    progress: &Progress,
 ) -> Result<Scene, LoadError> {
     let path = path.as_ref();
     progress.reach(0.0)?;
@@ -200,7 +202,7 @@ pub fn load_bytes_with(
     bytes: &[u8],
     options: &LoadOptions,
 ) -> Result<Scene, LoadError> {
-    let (kind, progress) = (kind.into(), LoadProgress::new());
+    let (kind, progress) = (kind.into(), Progress::new());
     match kind.compression {
         Compression::None => parse(kind.format, bytes, Folder::NONE, options, &progress),
         compression => parse(
@@ -218,7 +220,7 @@ fn parse(
     bytes: &[u8],
     folder: Folder<'_>,
     options: &LoadOptions,
-    progress: &LoadProgress,
+    progress: &Progress,
 ) -> Result<Scene, LoadError> {
     if bytes.is_empty() {
         return Err(LoadError::Empty);

@@ -5,7 +5,7 @@
 //! normal is longest is left out, which needs no rounding. `earcut` leaves out corners that lie on a straight line; here
 //! they are put back, by splitting the triangle at that edge, so that neighbours meet at common vertices.
 
-use super::{LoadError, LoadProgress};
+use super::{LoadError, Loading, Progress};
 use crate::{Warning, WarningKind, warning::warn};
 use rayon::prelude::*;
 
@@ -332,7 +332,7 @@ impl Polygons {
         triangles: &mut [[u32; 3]],
         others: &mut [&mut [[u32; 3]]],
         warnings: &mut Vec<Warning>,
-        progress: &LoadProgress,
+        progress: &Progress,
     ) -> Result<(), LoadError> {
         let fans: &[[u32; 3]] = triangles;
         let look = |run: &Run, polygon: usize| {

@@ -46,6 +46,7 @@ impl Walk for KdTree {
             let hits = &mut *hits;
             instruction_set.run(ClosestHits { tree: self.traced(nodes), rays, except, hits })
         });
+        let Some(strays) = strays else { return self.closest_stream(job, hits) };
         finish_strays(rays, hits, except, &strays, |rays, except, hits| {
             let conditions = RayConditions { except, ..conditions };
             self.closest_stream(BatchJob { rays, conditions, ..job }, hits);
@@ -62,6 +63,7 @@ impl Walk for KdTree {
             let hits = &mut *hits;
             instruction_set.run(AnyHits { tree: self.traced(nodes), rays, except, hits })
         });
+        let Some(strays) = strays else { return self.any_stream(job, hits) };
         finish_strays(rays, hits, except, &strays, |rays, except, hits| {
             let conditions = RayConditions { except, ..conditions };
             self.any_stream(BatchJob { rays, conditions, ..job }, hits);
@@ -77,8 +79,10 @@ impl KdTree {
     fn closest_stream(&self, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {
         if job.rays.len() >= LEAST_STREAM {
             with_nodes!(self, nodes => {
-                if let Some(stream) = Stream::new(self.traced(nodes), job.rays, job.conditions, &mut *hits) {
-                    return job.instruction_set.run(stream);
+                if let Some(stream) = Stream::new(self.traced(nodes), job.rays, job.conditions, &mut *hits)
+                    && job.instruction_set.run(stream).is_some()
+                {
+                    return;
                 }
             });
         }
@@ -90,8 +94,10 @@ impl KdTree {
     fn any_stream(&self, job: BatchJob<'_>, hits: &mut [bool]) {
         if job.rays.len() >= LEAST_STREAM {
             with_nodes!(self, nodes => {
-                if let Some(stream) = Stream::new(self.traced(nodes), job.rays, job.conditions, &mut *hits) {
-                    return job.instruction_set.run(stream);
+                if let Some(stream) = Stream::new(self.traced(nodes), job.rays, job.conditions, &mut *hits)
+                    && job.instruction_set.run(stream).is_some()
+                {
+                    return;
                 }
             });
         }

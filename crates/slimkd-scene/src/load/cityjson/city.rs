@@ -7,8 +7,8 @@ use super::{
 use crate::{
     Material, Scene, UpAxis, Warning, WarningKind,
     load::{
-        Format, LoadError, LoadProgress, Place, error::quoted, polygon::triangulate, source::growth_limit,
-        warn,
+        Format, LoadError, Loading, Place, Progress, error::quoted, polygon::triangulate,
+        source::growth_limit, warn,
     },
 };
 use glam::{DMat4, DVec3, Vec3};
@@ -46,7 +46,7 @@ struct Counts {
 /// The model while it is read.
 pub(super) struct City<'p> {
     format: Format,
-    progress: &'p LoadProgress,
+    progress: &'p Progress,
     input: u64,
     spent: u64,
     positions: Vec<[f64; 3]>,
@@ -85,7 +85,7 @@ struct Text<'a, 'r> {
 }
 
 impl<'p> City<'p> {
-    pub(super) fn new(format: Format, input: usize, progress: &'p LoadProgress) -> Self {
+    pub(super) fn new(format: Format, input: usize, progress: &'p Progress) -> Self {
         Self {
             format,
             progress,

@@ -9,7 +9,7 @@ mod json;
 mod surfaces;
 
 use super::{
-    Format, LoadError, LoadProgress, Place,
+    Format, LoadError, Loading, Place, Progress,
     error::short,
     source::{FREE_BYTES, MAX_GROWTH},
     text::Lines,
@@ -40,7 +40,7 @@ fn read(format: Format, text: &[u8], line: u64) -> Result<Root<'_>, LoadError> {
 }
 
 /// A whole model in one text.
-pub(super) fn parse(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, LoadError> {
+pub(super) fn parse(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
     let format = Format::CityJson;
     let root = read(format, bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), 1)?;
     if root.kind != "CityJSON" {
@@ -55,7 +55,7 @@ pub(super) fn parse(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, Load
 }
 
 /// A sequence: a first object with what all share, then a feature a line.
-pub(super) fn parse_sequence(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, LoadError> {
+pub(super) fn parse_sequence(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
     let format = Format::CityJsonSeq;
     let mut city = City::new(format, bytes.len(), progress);
     let mut shared: Option<Root<'_>> = None;

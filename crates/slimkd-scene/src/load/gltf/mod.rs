@@ -21,7 +21,7 @@ mod skin;
 mod views;
 
 use super::{
-    Format, LoadError, LoadProgress, Place,
+    Format, LoadError, Place, Progress,
     error::{quoted, short},
     source::{FREE_BYTES, Folder, MAX_GROWTH},
     textures::Textures,
@@ -43,7 +43,7 @@ pub(super) fn parse(
     bytes: &[u8],
     folder: Folder<'_>,
     chosen: Option<usize>,
-    progress: &LoadProgress,
+    progress: &Progress,
 ) -> Result<Scene, LoadError> {
     let (json, bin) = container::split(format, bytes)?;
     let root = root(format, bytes, json)?;

@@ -14,7 +14,7 @@ mod views;
 mod xml;
 
 use super::{
-    LoadError, LoadProgress,
+    LoadError, Loading, Progress,
     error::{quoted, short},
     obj, ply,
     source::{Folder, growth_limit},
@@ -41,7 +41,7 @@ const ELEMENT: u64 = 32;
 /// Shapes within `merge` shapes.
 const MAX_DEPTH: usize = 16;
 
-pub(super) fn parse(bytes: &[u8], folder: Folder<'_>, progress: &LoadProgress) -> Result<Scene, LoadError> {
+pub(super) fn parse(bytes: &[u8], folder: Folder<'_>, progress: &Progress) -> Result<Scene, LoadError> {
     let document = Document::read(bytes, folder)?;
     let mut reader = Reader {
         input: document.input,
@@ -99,7 +99,7 @@ type File = (String, String, usize);
 
 struct Reader<'a> {
     document: &'a Document<'a>,
-    progress: &'a LoadProgress,
+    progress: &'a Progress,
     gathered: Gather,
     material_ids: Vec<u32>,
     materials: Materials<'a>,

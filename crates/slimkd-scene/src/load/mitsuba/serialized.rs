@@ -5,7 +5,7 @@
 
 use crate::{
     Attribute, Scene,
-    load::{Format, LoadError, LoadProgress, Place, source::growth_limit},
+    load::{Format, LoadError, Loading, Place, Progress, source::growth_limit},
     merge::Gather,
 };
 use flate2::bufread::ZlibDecoder;
@@ -37,7 +37,7 @@ fn u64_at(bytes: &[u8], at: usize) -> Option<u64> {
 }
 
 /// All meshes of a file as one, in their order.
-pub(in crate::load) fn parse(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, LoadError> {
+pub(in crate::load) fn parse(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
     let list = List::of(bytes)?;
     let mut left = growth_limit(bytes.len() as u64);
     if list.count == 1 {
@@ -51,7 +51,7 @@ pub(in crate::load) fn parse(bytes: &[u8], progress: &LoadProgress) -> Result<Sc
 }
 
 /// One mesh of a file.
-pub(super) fn part(bytes: &[u8], index: usize, progress: &LoadProgress) -> Result<Scene, LoadError> {
+pub(super) fn part(bytes: &[u8], index: usize, progress: &Progress) -> Result<Scene, LoadError> {
     let list = List::of(bytes)?;
     if index >= list.count {
         let what = format!("there is no mesh {index}: the file has {}", list.count);
@@ -107,7 +107,7 @@ struct Content<'a> {
     place: usize,
     left: &'a mut u64,
     input: u64,
-    progress: &'a LoadProgress,
+    progress: &'a Progress,
 }
 
 impl Content<'_> {
@@ -157,7 +157,7 @@ impl Content<'_> {
     }
 }
 
-fn mesh(bytes: &[u8], place: usize, left: &mut u64, progress: &LoadProgress) -> Result<Scene, LoadError> {
+fn mesh(bytes: &[u8], place: usize, left: &mut u64, progress: &Progress) -> Result<Scene, LoadError> {
     let (magic, version) = (u16_at(bytes, place), u16_at(bytes, place.saturating_add(2)));
     let (Some(MAGIC), Some(version @ (3 | 4))) = (magic, version) else {
         return Err(invalid(

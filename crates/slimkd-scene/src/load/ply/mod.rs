@@ -5,7 +5,7 @@ mod roles;
 mod uniform;
 mod values;
 
-use super::{Format, LoadError, LoadProgress, Place, polygon::Polygons};
+use super::{Format, LoadError, Loading, Place, Progress, polygon::Polygons};
 use crate::{Attribute, Scene, Warning, WarningKind};
 use header::{Element, Encoding, Header, Number};
 use roles::{SLOTS, Slots, VertexColumns, colour_byte, colour_slot, corner_list, corner_uvs};
@@ -22,7 +22,7 @@ fn invalid(place: Place, what: impl Into<String>, fix: &'static str) -> LoadErro
     LoadError::Invalid { format: Format::Ply, place, what: what.into(), fix }
 }
 
-pub(super) fn parse(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, LoadError> {
+pub(super) fn parse(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
     let header = Header::parse(bytes)?;
     match header.encoding {
         Encoding::Text => parse_text(&header, bytes, progress),
@@ -36,7 +36,7 @@ pub(super) fn parse(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, Load
 }
 
 /// Text, whose lines may have more numbers than the header says: then they are read line by line.
-fn parse_text(header: &Header, bytes: &[u8], progress: &LoadProgress) -> Result<Scene, LoadError> {
+fn parse_text(header: &Header, bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
     let read = |by_lines: bool| {
         let mut values = Text::new(bytes, header.bytes, header.lines + 1, by_lines);
         let scene = Body::new(header)?.read(&mut values, bytes, progress, |_, _| Ok(false));
@@ -150,7 +150,7 @@ impl<'h> Body<'h> {
         mut self,
         values: &mut V,
         bytes: &[u8],
-        progress: &LoadProgress,
+        progress: &Progress,
         fast: impl Fn(&mut Self, &mut V) -> Result<bool, LoadError>,
     ) -> Result<Scene, LoadError> {
         for (current, element) in self.elements.iter().enumerate() {
@@ -202,7 +202,7 @@ impl<'h> Body<'h> {
         &mut self,
         values: &mut Binary<'_>,
         encoding: Encoding,
-        progress: &LoadProgress,
+        progress: &Progress,
     ) -> Result<bool, LoadError> {
         let element = &self.elements[self.current];
         let rest = &values.bytes[values.at..];
@@ -365,7 +365,7 @@ impl<'h> Body<'h> {
         Ok(())
     }
 
-    fn finish(mut self, progress: &LoadProgress) -> Result<Scene, LoadError> {
+    fn finish(mut self, progress: &Progress) -> Result<Scene, LoadError> {
         let attribute = |values| Attribute { values, indices: None };
         let mut warnings = Vec::new();
         if !self.uv_indices.is_empty() {

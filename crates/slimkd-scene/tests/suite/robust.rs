@@ -1,8 +1,6 @@
 //! Broken files of every format: an error of one line, never a panic, never a hang.
 
-use slimkd_scene::{
-    Compression, FileKind, Format, LoadError, LoadOptions, LoadProgress, load, load_bytes, load_with,
-};
+use slimkd_scene::{Compression, FileKind, Format, LoadError, LoadOptions, load, load_bytes, load_with};
 use std::{fs, io::Write, path::Path};
 
 const TETRAHEDRON: [[f32; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -304,7 +302,7 @@ fn compressed_files_by_their_names() {
         let bytes = ply("ascii");
         let (first, second) = bytes.split_at(100);
         fs::write(&path, [compress(compression, first), compress(compression, second)].concat()).unwrap();
-        let progress = LoadProgress::new();
+        let progress = slimkd::Progress::new();
         let scene = load_with(&path, &LoadOptions::new(), &progress).unwrap();
         assert_eq!((scene.name.as_str(), scene.mesh.triangles()), ("a.b", &FACES[..]));
         assert_eq!(progress.fraction(), 1.0);
@@ -337,7 +335,7 @@ fn a_cancelled_load_ends() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.ply");
     fs::write(&path, ply("ascii")).unwrap();
-    let progress = LoadProgress::new();
+    let progress = slimkd::Progress::new();
     progress.cancel();
     assert!(matches!(load_with(&path, &LoadOptions::new(), &progress), Err(LoadError::Cancelled)));
 }

@@ -1,8 +1,7 @@
 //! Mitsuba's scenes: shapes, transforms, groups, materials, parameters, files beside the scene, and hostile ones.
 
 use slimkd_scene::{
-    Format, Light, LoadError, LoadOptions, LoadProgress, Scene, UpAxis, WarningKind, load, load_bytes,
-    load_with,
+    Format, Light, LoadError, LoadOptions, Scene, UpAxis, WarningKind, load, load_bytes, load_with,
 };
 use std::{fs, io::Write};
 
@@ -358,7 +357,7 @@ fn files_beside_the_scene() {
         let error = load(&path).unwrap_err().to_string();
         assert!(error.contains("--allow-outside"), "{error}");
         let options = LoadOptions::new().allow_outside(true);
-        assert_eq!(load_with(&path, &options, &LoadProgress::new()).unwrap().mesh.len(), 1);
+        assert_eq!(load_with(&path, &options, &slimkd::Progress::new()).unwrap().mesh.len(), 1);
     }
     let own = write(r#"<include filename="scene.xml"/><include filename="scene.xml"/>"#);
     assert!(matches!(load(&own), Err(LoadError::Invalid { .. } | LoadError::OutOfProportion { .. })));

@@ -2,9 +2,7 @@
 //!
 //! `SLIMKD_PARITY_TRIANGLES` raises the limit on a scene's size, for those who have the time.
 
-mod oracle;
-
-use oracle::{check_invariants, compare, setting};
+use crate::oracle::{check_invariants, compare, setting};
 use slimkd::{KdTree, Preset};
 use slimkd_scene::load;
 use std::io::Read;

@@ -150,11 +150,9 @@ fn modes_and_attributes() {
 
 #[test]
 fn materials_textures_cameras_and_lights() {
-    let mut png = std::io::Cursor::new(Vec::new());
-    image::RgbImage::from_pixel(3, 2, image::Rgb([255, 0, 0]))
-        .write_to(&mut png, image::ImageFormat::Png)
-        .unwrap();
-    let png = STANDARD.encode(png.into_inner());
+    let mut png = Vec::new();
+    slimkd_util::png::write(&mut png, [3, 2], [[255, 0, 0]; 6].as_flattened()).unwrap();
+    let png = STANDARD.encode(png);
     let scene = parse(&format!(
         r#""meshes": [{{"primitives": [
               {{"attributes": {{"POSITION": 0, "TEXCOORD_0": 2}}, "indices": 3, "material": 0}},
@@ -321,9 +319,8 @@ fn counts_that_lie_are_refused_before_memory_is_taken() {
 
 #[test]
 fn textures_out_of_proportion_are_left_out() {
-    let mut png = std::io::Cursor::new(Vec::new());
-    image::RgbImage::new(1, 1).write_to(&mut png, image::ImageFormat::Png).unwrap();
-    let mut png = png.into_inner();
+    let mut png = Vec::new();
+    slimkd_util::png::write(&mut png, [1, 1], &[0; 3]).unwrap();
     // The header chunk: length, "IHDR", width, height, 5 bytes, checksum of all but the length.
     png[16..20].copy_from_slice(&60_000u32.to_be_bytes());
     png[20..24].copy_from_slice(&60_000u32.to_be_bytes());

@@ -1,8 +1,6 @@
 //! Every built-in scene, small, on every kind of tree, against brute force.
 
-mod oracle;
-
-use oracle::{check_invariants, common::variants, compare};
+use crate::oracle::{check_invariants, common::variants, compare};
 use slimkd::KdTree;
 use slimkd_scene::procedural;
 use std::sync::Arc;

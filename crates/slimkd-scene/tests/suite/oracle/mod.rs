@@ -4,9 +4,11 @@
 //! afford that on large meshes, `sieve.rs` finds the list. Both shortcuts are checked on some of the rays.
 #![allow(dead_code, unreachable_pub)] // each test file uses its own part
 
-#[path = "../../../slimkd/tests/common/mod.rs"]
+#[path = "../../../../slimkd/tests/common/mod.rs"]
 pub mod common;
 mod sieve;
+
+pub use common::check_invariants;
 
 use rayon::prelude::*;
 use sieve::Sieve;
@@ -143,37 +145,4 @@ pub fn bits(hit: Option<Hit>) -> [u32; 4] {
 
 fn list(hits: &[Hit]) -> Vec<[u32; 4]> {
     hits.iter().map(|&hit| bits(Some(hit))).collect()
-}
-
-/// What holds for every tree: counts, sizes and histograms agree with each other and with the mesh.
-pub fn check_invariants(scene: &str, variant: &str, tree: &KdTree) {
-    let (s, m, mesh) = (tree.statistics(), tree.memory(), tree.mesh());
-    let context = format!("{scene}, {variant}");
-    let r = &s.leaf_references;
-    // The slides' size formula.
-    let plain = 8 * (s.nodes.inner + s.nodes.t_inner + s.nodes.leaf)
-        + 8 * s.nodes.t_inner
-        + 4 * r.four_byte
-        + 2 * r.two_byte;
-    if r.other == 0 {
-        assert_eq!(m.tree(), plain, "{context}");
-    } else {
-        // 4 bytes an inner node, at most 8 a leaf's header, at most 5 a further reference, 8 behind the end.
-        let least = 4 * s.nodes.inner + s.nodes.leaf + 8;
-        assert!(
-            (least..=least + 4 * s.nodes.inner + 7 * s.nodes.leaf + 5 * r.other).contains(&m.tree()),
-            "{context}"
-        );
-    }
-    assert_eq!(m.resident(), m.tree() + mesh.memory_bytes(), "{context}");
-    assert_eq!(s.nodes.leaf, s.nodes.inner + s.nodes.t_inner + 1, "{context}");
-    assert_eq!(s.t_references, s.nodes.t_inner, "{context}");
-    assert_eq!(s.triangles, mesh.len() as u64, "{context}");
-    assert_eq!(s.duplication[0], 0, "{context}: a triangle is lost");
-    assert_eq!(s.duplication.iter().sum::<u64>(), s.triangles - s.degenerate, "{context}");
-    assert_eq!(s.leaf_depths.iter().sum::<u64>(), s.nodes.leaf, "{context}");
-    assert_eq!(s.leaf_depths.len(), s.max_depth as usize + 1, "{context}");
-    assert!(s.nodes.empty_leaf < s.nodes.leaf, "{context}");
-    assert!(s.references() >= s.triangles - s.degenerate, "{context}");
-    assert!(s.sah_cost.is_finite() && s.sah_cost > 0.0, "{context}");
 }

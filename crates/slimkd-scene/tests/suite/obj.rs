@@ -1,7 +1,7 @@
 //! OBJ files and their materials.
 
 use glam::Vec3;
-use slimkd_scene::{Format, LoadError, LoadOptions, LoadProgress, Place, Scene, load_bytes, load_with};
+use slimkd_scene::{Format, LoadError, LoadOptions, Place, Scene, load_bytes, load_with};
 use std::fs;
 
 fn parse(text: &str) -> Scene {
@@ -45,9 +45,8 @@ fn materials_and_textures_come_from_beside_the_file() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     fs::create_dir(at("maps")).unwrap();
-    image::RgbImage::from_fn(2, 1, |x, _| image::Rgb([255 * x as u8, 128, 0]))
-        .save(at("maps/a b.png"))
-        .unwrap();
+    let picture = fs::File::create(at("maps/a b.png")).unwrap();
+    slimkd_util::png::write(picture, [2, 1], &[0, 128, 0, 255, 128, 0]).unwrap();
     fs::write(
         at("scene materials.mtl"),
         "newmtl red\nKd 1 0 0\nKs .5 .5 .5\nNs 200\nNi 1.4\nd 0.25\nillum 2\nKe 3 0 0\n\
@@ -64,7 +63,7 @@ fn materials_and_textures_come_from_beside_the_file() {
          f 1 2 3\nusemtl filter\nf 1 2 3\n",
     )
     .unwrap();
-    let progress = LoadProgress::new();
+    let progress = slimkd::Progress::new();
     let scene = load_with(at("scene.obj"), &LoadOptions::new(), &progress).unwrap();
     assert_eq!(progress.fraction(), 1.0);
     assert_eq!(scene.name, "scene");

@@ -213,7 +213,7 @@ fn stl_counts_that_nobody_filled_in() {
 
 #[test]
 fn other_files_are_read_from_the_folder_and_below_alone() {
-    use slimkd_scene::{LoadOptions, LoadProgress, load, load_with};
+    use slimkd_scene::{LoadOptions, load, load_with};
     let outer = tempfile::tempdir().unwrap();
     let folder = outer.path().join("model");
     std::fs::create_dir_all(folder.join("below")).unwrap();
@@ -221,7 +221,7 @@ fn other_files_are_read_from_the_folder_and_below_alone() {
     for place in [outer.path().join("out.mtl"), folder.join("below/in.mtl")] {
         std::fs::write(place, mtl).unwrap();
     }
-    let progress = LoadProgress::new();
+    let progress = slimkd::Progress::new();
     let loaded = |library: &str, allow_outside: bool| {
         let path = folder.join("a.obj");
         std::fs::write(&path, format!("mtllib {library}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n"))
