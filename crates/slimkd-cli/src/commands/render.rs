@@ -1,6 +1,6 @@
 //! `slimkd render`: a picture of a scene.
 
-use crate::args::{CameraArgs, SceneDetails, Size, TreeArgs, stops, within};
+use crate::args::{CameraArgs, MoreScenes, SceneDetails, Size, TreeArgs, stops, within};
 use crate::device::{self, Choice, Device};
 use crate::failure::Failure;
 use crate::output::Output;
@@ -28,6 +28,7 @@ Examples:
   slimkd render model.glb -o model.png --size 1920x1080 --spp 16
   slimkd render building.ply.zst --up z --view 2 -o building.png
   slimkd render building.ply.zst --device gpu -o building.png
+  slimkd render terrain.asc houses.city.json -o town.png
   slimkd render bart.ply --camera 1.05,1.14,1.36,0.97,1.12,1.32,40 --up z -o bart.exr";
 
 /// Arguments of `slimkd render`.
@@ -38,6 +39,8 @@ pub(crate) struct RenderArgs {
     /// its tree's size under each preset
     #[arg(value_name = "SCENE|tree.skd")]
     scene: Option<PathBuf>,
+    #[command(flatten)]
+    more: MoreScenes,
     #[command(flatten)]
     details: SceneDetails,
     /// The picture: .png, or .exr for linear light
@@ -134,10 +137,10 @@ pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
     let output = Output::prepare(&args.output)?;
     Film::check_format(output.path()).map_err(Failure::usage)?;
     let inputs = args.scene.iter().flat_map(|scene| scenes::files(scene, &args.details));
-    let output = output.apart_from(inputs)?;
+    let output = output.apart_from(inputs.chain(args.more.more.iter().map(PathBuf::as_path)))?;
     let device = device::open(args.device, ui)?;
     let mut loaded = match &args.scene {
-        Some(scene) => scenes::load(scene, &args.details, ui)?,
+        Some(scene) => scenes::load_all(scene, &args.more.more, &args.details, ui)?,
         None if args.details.mesh.is_some() => {
             return Err(Failure::Usage("--mesh belongs to a saved tree; name that too".to_owned()));
         }

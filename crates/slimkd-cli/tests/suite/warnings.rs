@@ -53,3 +53,27 @@ fn several_models_are_one_scene_and_are_converted() {
     let colours = slimkd_scene::load(tool.path("red.ply")).unwrap().colours.unwrap();
     assert_eq!((colours.values[0], colours.values[3]), ([255, 0, 0, 255], [255; 4]));
 }
+
+#[test]
+fn pictures_and_rates_of_several_models() {
+    let tool = Tool::new();
+    tool.file("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    tool.file("b.off", "OFF\n4 1 0\n0 0 1\n4 0 1\n1 1 1\n0 4 1\n4 0 1 2 3\n");
+    tool.ok("convert a.obj b.off -o both.ply");
+    for (scene, picture) in [("a.obj b.off", "two.png"), ("both.ply", "one.png")] {
+        tool.ok(&format!("render {scene} --size 24x24 --spp 1 -o {picture}"));
+    }
+    let read = |name: &str| std::fs::read(tool.path(name)).unwrap();
+    assert_eq!(read("two.png"), read("one.png"));
+    let bench = "--presets standard --rounds 5 --rays 64 --json";
+    let rows =
+        |scene: &str| tool.json(&format!("bench {scene} {bench}"))["results"].as_array().unwrap().clone();
+    let hits = |rows: Vec<serde_json::Value>| rows.iter().map(|row| row["hits"].clone()).collect::<Vec<_>>();
+    assert_eq!(hits(rows("a.obj b.off")), hits(rows("both.ply")));
+    tool.ok("build a.obj -o tree.skd");
+    for command in ["render a.obj tree.skd -o c.png", "bench tree.skd a.obj"] {
+        tool.fails(command, 2, &["tree.skd", "a saved tree is a scene alone"]);
+    }
+    tool.fails("render a.obj b.off -o b.off", 2, &[]);
+    assert!(!tool.files().contains("c.png"));
+}

@@ -48,7 +48,8 @@ pub(super) fn parse(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadErro
         let what = format!("{announced} triangles need {size} bytes, but there are {}", bytes.len());
         return Err(invalid(Place::Byte(80), what, "the file was cut off or is no STL"));
     }
-    let mut weld = Weld::new();
+    // Closed meshes have half as many vertices as triangles.
+    let mut weld = Weld::with_capacity(announced / 2);
     let mut triangles = Vec::with_capacity(announced);
     for (k, triangle) in bytes[HEAD..size as usize].as_chunks::<TRIANGLE>().0.iter().enumerate() {
         if k.is_multiple_of(BLOCK) {
@@ -134,7 +135,7 @@ impl<'a> Iterator for Words<'a> {
 }
 
 fn parse_text(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
-    let mut weld = Weld::new();
+    let mut weld = Weld::with_capacity(0);
     let mut triangles = Vec::new();
     let mut polygons = Polygons::default();
     let mut corners = Vec::new();

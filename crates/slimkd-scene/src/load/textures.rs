@@ -115,6 +115,6 @@ fn read_jpeg(
 }
 
 /// sRGB (IEC 61966-2-1) to linear.
-fn linear(value: f32) -> f32 {
+pub(super) fn linear(value: f32) -> f32 {
     if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }

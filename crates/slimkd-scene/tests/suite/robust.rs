@@ -97,6 +97,59 @@ fn gltf() -> Vec<u8> {
         .to_vec()
 }
 
+fn off() -> Vec<u8> {
+    let mut out = b"COFF\n4 4 0 # by hand\n".to_vec();
+    TETRAHEDRON.iter().for_each(|[x, y, z]| writeln!(out, "{x} {y} {z} 1 0 0.5 1").unwrap());
+    FACES.iter().for_each(|[a, b, c]| writeln!(out, "3 {a} {b} {c} 9 8 7").unwrap());
+    out
+}
+
+fn mitsuba() -> Vec<u8> {
+    br##"<?xml version="1.0"?><!DOCTYPE scene><scene version="2.1.0"><!-- all of it --><default name="w" value="2"/>
+        <bsdf type="twosided" id="m"><bsdf type="roughconductor"><rgb name="specular_reflectance" value="#ff8000"/></bsdf></bsdf>
+        <shape type="shapegroup" id="g"><shape type="cube"><ref id="m"/></shape></shape>
+        <shape type="instance"><ref id="g"/><transform name="to_world"><scale value="$w"/><rotate y="1" angle="30"/></transform></shape>
+        <shape type="disk"/><shape type="cylinder"><point name="p1" x="1" y="2" z="3"/></shape><shape type="sphere"/></scene>"##
+        .to_vec()
+}
+
+fn serialized() -> Vec<u8> {
+    let mut content = 0x1000u32.to_le_bytes().to_vec();
+    content.extend(b"name\0");
+    content.extend([4u64, 4].map(u64::to_le_bytes).as_flattened());
+    TETRAHEDRON.iter().flatten().for_each(|x| content.extend(x.to_le_bytes()));
+    FACES.iter().flatten().for_each(|corner| content.extend(corner.to_le_bytes()));
+    let mut out = vec![0x1c, 4, 4, 0];
+    let mut encoder = flate2::write::ZlibEncoder::new(&mut out, flate2::Compression::best());
+    encoder.write_all(&content).unwrap();
+    encoder.finish().unwrap();
+    let second = out.len() as u64;
+    let first = out.clone();
+    out.extend(first);
+    out.extend([0, second].map(u64::to_le_bytes).as_flattened());
+    out.extend(2u32.to_le_bytes());
+    out
+}
+
+fn city(kind: &str) -> Vec<u8> {
+    let faces = FACES.map(|[a, b, c]| format!("[[{a},{b},{c}]]")).join(",");
+    let vertices = TETRAHEDRON.map(|[x, y, z]| format!("[{x},{y},{z}]")).join(",");
+    format!(
+        r#"{{"type":"{kind}","version":"2.0","id":"a","transform":{{"scale":[1,1,1],"translate":[5,5,5]}},"CityObjects":{{"a":{{
+        "type":"Building","geometry":[{{"type":"Solid","lod":"2.1","boundaries":[[{faces}]],"semantics":{{"surfaces":[{{
+        "type":"RoofSurface"}}],"values":[[0,null,0,null]]}}}}]}}}},"vertices":[{vertices}]}}"#
+    )
+    .replace('\n', " ")
+    .into_bytes()
+}
+
+fn npy() -> Vec<u8> {
+    let mut out =
+        b"\x93NUMPY\x01\x00\x3c\x00{'descr': '|u1', 'fortran_order': False, 'shape': (2, 3), }\n".to_vec();
+    out.extend([1, 2, 3, 4, 5, 6]);
+    out
+}
+
 /// A valid file of every format, and whether a cut always shows.
 fn samples() -> Vec<(FileKind, Vec<u8>, bool)> {
     let mut samples = vec![
@@ -108,6 +161,17 @@ fn samples() -> Vec<(FileKind, Vec<u8>, bool)> {
         (Format::Stl.into(), stl_binary(), true),
         (Format::Gltf.into(), gltf(), true),
         (Format::Glb.into(), glb(), true),
+        (Format::Off.into(), off(), false),
+        (Format::Mitsuba.into(), mitsuba(), true),
+        (Format::Serialized.into(), serialized(), false),
+        (Format::CityJson.into(), city("CityJSON"), true),
+        (Format::CityJsonSeq.into(), [city("CityJSON"), city("CityJSONFeature")].join(&b'\n'), false),
+        (
+            Format::AsciiGrid.into(),
+            b"ncols 3\nnrows 2\nxllcorner 1\nyllcenter 2\ncellsize 0.5\n1 2 3\n4 5 6".to_vec(),
+            false,
+        ),
+        (Format::Npy.into(), npy(), true),
     ];
     for compression in [Compression::Zstd, Compression::Gzip] {
         for k in [0, 3] {

@@ -2,7 +2,7 @@
 
 mod table;
 
-use crate::args::{CameraArgs, SceneArgs, Size, TuningArgs, preset, threads, within};
+use crate::args::{CameraArgs, MoreScenes, SceneArgs, Size, TuningArgs, preset, threads, within};
 use crate::device::{self, Choice, Device, Pictures, Traces};
 use crate::failure::Failure;
 use crate::trees::Tree;
@@ -41,6 +41,8 @@ Rates are medians; compare them within one run only.";
 pub(crate) struct BenchArgs {
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    more: MoreScenes,
     /// The presets to compare; all unless given
     #[arg(long, value_name = "a,b,...", value_delimiter = ',', value_parser = preset())]
     presets: Vec<Preset>,
@@ -84,7 +86,7 @@ pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
         choice.check(args.kernel)?;
         devices.push((choice, device::open(choice, ui)?));
     }
-    let mut loaded = scenes::load(&args.scene.scene, &args.scene.details, ui)?;
+    let mut loaded = scenes::load_all(&args.scene.scene, &args.more.more, &args.scene.details, ui)?;
     cameras::settle_up(&args.camera, &mut loaded.scene);
     let built = contenders(args, &mut loaded, ui)?;
     let scene = &loaded.scene;
