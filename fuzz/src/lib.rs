@@ -3,39 +3,15 @@
 
 mod input;
 mod resign;
+mod scenes;
 
 use input::Input;
+pub use scenes::{
+    COMPRESSIONS, FORMATS, cityjson, draco, draco_file, gltf, grids, meshopt, meshopt_file, mitsuba, obj,
+    off, ply, scene, stl,
+};
 use slimkd::{BruteForce, BuildOptions, KdTree, OpenTree, Progress, Ray, Tracer, TriangleMesh};
-use slimkd_scene::{Compression, FileKind, Format, load_bytes};
 use std::sync::{Arc, LazyLock};
-
-/// Formats that [`scene`]'s first byte chooses from.
-pub const FORMATS: [Format; 8] = [
-    Format::Ply,
-    Format::Obj,
-    Format::Stl,
-    Format::Gltf,
-    Format::Glb,
-    Format::Off,
-    Format::AsciiGrid,
-    Format::Npy,
-];
-/// Compressions that it chooses from, in steps of the formats.
-pub const COMPRESSIONS: [Compression; 3] = [Compression::None, Compression::Zstd, Compression::Gzip];
-
-/// Scene files: the first byte names the format, the rest is the file.
-pub fn scene(data: &[u8]) {
-    let Some((&kind, file)) = data.split_first() else { return };
-    let kind = usize::from(kind) % (FORMATS.len() * COMPRESSIONS.len());
-    let (format, compression) = (FORMATS[kind % FORMATS.len()], COMPRESSIONS[kind / FORMATS.len()]);
-    match load_bytes(FileKind { format, compression }, file) {
-        Ok(scene) => {
-            assert!(!scene.materials.is_empty());
-            (0..scene.mesh.len() as u32).for_each(|id| drop(scene.material(id).clone()));
-        }
-        Err(error) => assert!(!error.to_string().is_empty()),
-    }
-}
 
 /// `.skd` files. An odd first byte makes the checksums right before the rest is read, so that what lies behind them
 /// is reached; whatever is accepted must answer every query and survive another round.

@@ -7,8 +7,9 @@ use slimkd_lab::basics::vector::{Vec64, cross, dot, sub, wide};
 use slimkd_lab::bench::agree::Judge;
 use slimkd_lab::bench::args::Args;
 use slimkd_lab::bench::built::{Contender, Found, Traced};
-use slimkd_lab::bench::report::{Point, Report};
+use slimkd_lab::bench::report::Report;
 use slimkd_lab::bench::{peers, report, run};
+use slimkd_lab::schema::PeerPoint;
 use slimkd_lab::workload::Kind;
 use slimkd_util::Rng;
 use std::sync::Arc;
@@ -155,7 +156,7 @@ fn a_run_without_embree_names_it_and_goes_on() {
     }
     assert_eq!(report.points.len(), (interfaces + 1) * 2);
     let workloads = |interface: &str| if interface == "packet" { 2 } else { 4 };
-    let whole = |point: &Point| point.mrays.len() == workloads(&point.interface) && point.bytes_tree > 0;
+    let whole = |point: &PeerPoint| point.mrays.len() == workloads(&point.interface) && point.bytes_tree > 0;
     assert!(report.points.iter().all(whole));
     for contender in report.contenders.iter().filter(|c| c.name != "kdtree-ray" && c.library != "tinybvh-rs")
     {

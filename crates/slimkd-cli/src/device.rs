@@ -7,12 +7,10 @@ use crate::failure::Failure;
 use crate::ui::Ui;
 use clap::ValueEnum;
 use slimkd::KdTree;
-use slimkd_lab::Progress;
 pub(crate) use slimkd_lab::measure::rates::RayTracer as Tracer;
 use slimkd_lab::measure::rates::{Kernel, RayDevice};
 use slimkd_lab::measure::{self, DeviceError, Ready};
-use slimkd_render::{Film, RenderError, RenderProgress, RenderSettings, Setup};
-use slimkd_scene::{Camera, Scene};
+use slimkd_scene::Scene;
 
 /// A device, as the command line names it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -35,18 +33,7 @@ pub(crate) trait Device {
     /// The tree on it.
     fn tree<'d>(&'d self, tree: &KdTree) -> Result<Box<dyn Tracer + 'd>, String>;
     /// The scene and its tree on it.
-    fn scene<'d>(&'d self, scene: &Scene, tree: &KdTree) -> Result<Box<dyn Renderer + 'd>, String>;
-}
-
-/// Renders pictures.
-pub(crate) trait Renderer {
-    /// A picture and the seconds of its kernels; `None` once it was cancelled.
-    fn picture(
-        &self,
-        setup: &Setup<'_>,
-        settings: &RenderSettings,
-        progress: &RenderProgress,
-    ) -> Result<Option<(Film, f64)>, String>;
+    fn scene<'d>(&'d self, scene: &'d Scene, tree: &'d KdTree) -> Result<Box<dyn Ready + 'd>, DeviceError>;
 }
 
 #[cfg(feature = "gpu")]
@@ -103,27 +90,7 @@ impl measure::Device for Pictures<'_> {
     }
 
     fn ready<'a>(&'a self, scene: &'a Scene, tree: &'a KdTree) -> Result<Box<dyn Ready + 'a>, DeviceError> {
-        let renderer = self.device.scene(scene, tree).map_err(DeviceError::Failed)?;
-        Ok(Box::new(Uploaded { renderer, scene, tree }))
-    }
-}
-
-struct Uploaded<'a> {
-    renderer: Box<dyn Renderer + 'a>,
-    scene: &'a Scene,
-    tree: &'a KdTree,
-}
-
-impl Ready for Uploaded<'_> {
-    fn picture(
-        &self,
-        camera: &Camera,
-        settings: &RenderSettings,
-        progress: &Progress,
-    ) -> Result<(Film, f64), DeviceError> {
-        let setup = Setup::new(self.scene, self.tree, camera, &self.scene.lights, settings)?;
-        let picture = self.renderer.picture(&setup, settings, &progress.rendering());
-        picture.map_err(DeviceError::Failed)?.ok_or(DeviceError::Render(RenderError::Cancelled))
+        self.device.scene(scene, tree)
     }
 }
 

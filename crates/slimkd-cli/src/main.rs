@@ -14,7 +14,6 @@ mod output;
 mod rays;
 mod report;
 mod saved;
-mod savings;
 mod scenes;
 mod trees;
 mod ui;

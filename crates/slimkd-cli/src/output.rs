@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::interrupt::{self, Interruptible};
 use crate::ui::{Ui, grouped};
-use slimkd::TriangleMesh;
+use slimkd_scene::Scene;
 use slimkd_util::whole_file;
 use std::fs::{self, File, OpenOptions};
 use std::io::{BufWriter, ErrorKind, Write};
@@ -32,6 +32,11 @@ pub(crate) enum Draft {
 impl Output {
     /// Checks that `path` can be written, so that a long computation does not end in "permission denied".
     pub(crate) fn prepare(path: &Path) -> Result<Self, Failure> {
+        if path == Path::new("-") {
+            let what =
+                "is no name for standard output; name /dev/stdout, or ./- for a file that is called so";
+            return Err(Failure::Usage(format!("- {what}")));
+        }
         let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         let kind = fs::metadata(&target).ok().map(|metadata| metadata.file_type());
         if kind.is_some_and(|kind| kind.is_dir()) || path.file_name().is_none() {
@@ -67,11 +72,13 @@ impl Output {
         Ok(Draft::InPlace(BufWriter::new(Interruptible(file)), path))
     }
 
-    /// Writes a mesh as PLY and says so; `path` is the name that the user gave.
-    pub(crate) fn write_ply(&self, mesh: &TriangleMesh, path: &Path, ui: Ui) -> Result<(), Failure> {
+    /// Writes a scene as PLY and says so; `path` is the name that the user gave.
+    pub(crate) fn write_ply(&self, scene: &Scene, path: &Path, ui: Ui) -> Result<(), Failure> {
         let mut draft = self.draft()?;
-        slimkd_scene::write_ply(mesh, &mut draft).map_err(|error| unwritable(path, &error))?;
+        let warnings = scene.write_ply(&mut draft).map_err(|error| unwritable(path, &error))?;
+        ui.warn_of(&path.display().to_string(), &warnings)?;
         draft.commit()?;
+        let mesh = &scene.mesh;
         let (triangles, vertices) = (grouped(mesh.len() as u64), grouped(mesh.vertices().len() as u64));
         ui.note(format_args!("wrote {}: {triangles} triangles, {vertices} vertices", path.display()));
         Ok(())
@@ -138,9 +145,16 @@ pub(crate) fn overwritten(output: &Path, input: &Path) -> Failure {
     ))
 }
 
-/// Whether both are there and one file, whatever they are called.
+/// Whether both are there and one file, whatever they are called: by links of both kinds.
 pub(crate) fn is_same(a: &Path, b: &Path) -> bool {
-    fs::canonicalize(a).is_ok_and(|a| fs::canonicalize(b).is_ok_and(|b| a == b))
+    #[cfg(unix)]
+    let identity = |path: &Path| {
+        use std::os::unix::fs::MetadataExt;
+        fs::metadata(path).map(|metadata| (metadata.dev(), metadata.ino()))
+    };
+    #[cfg(not(unix))]
+    let identity = |path: &Path| fs::canonicalize(path);
+    identity(a).is_ok_and(|a| identity(b).is_ok_and(|b| a == b))
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! What `build` and `inspect` say about a tree, for scripts and for people.
 
-use crate::savings::Savings;
 use crate::trees::{Tree, thread_count};
 use crate::ui::{bytes, grouped};
 use serde::Serialize;
 use slimkd::{HoistAlgorithm, Layout, TreeStatistics};
+use slimkd_lab::measure::savings::{Savings, four_byte};
 use slimkd_lab::schema::{self, Nodes, References};
 use slimkd_scene::{MeshCheck, Warning};
 use std::fmt::Write;
@@ -28,7 +28,7 @@ pub(crate) struct Report {
     max_depth: u32,
     sah_cost: f64,
     seconds: Seconds,
-    /// What the scene's loader left out, replaced or found odd, a line each.
+    /// What the scene is warned of, a line each; of several files, each line names its own.
     warnings: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     mesh_check: Option<Check>,
@@ -66,48 +66,41 @@ struct Bytes {
 /// What [`MeshCheck`] found.
 #[derive(Debug, Serialize)]
 struct Check {
-    open_edges: u64,
-    non_manifold_edges: u64,
-    flipped_edges: u64,
-    duplicate_triangles: u64,
-    degenerate_triangles: u64,
-    parts: u64,
-    minimum: [f32; 3],
-    maximum: [f32; 3],
-    step: f32,
-    mean_edge: f64,
+    #[serde(flatten)]
+    found: MeshCheck,
     coarse: bool,
 }
 
 impl Check {
     fn rows(&self, rows: &mut Rows) {
+        let Self { found, coarse } = self;
         rows.add(
             "edges",
             format!(
                 "{} open, {} of more than two triangles, {} between triangles that face opposite ways",
-                grouped(self.open_edges),
-                grouped(self.non_manifold_edges),
-                grouped(self.flipped_edges)
+                grouped(found.open_edges),
+                grouped(found.non_manifold_edges),
+                grouped(found.flipped_edges)
             ),
         );
         rows.add(
             "triangles",
             format!(
                 "{} duplicate, {} degenerate; {} parts",
-                grouped(self.duplicate_triangles),
-                grouped(self.degenerate_triangles),
-                grouped(self.parts)
+                grouped(found.duplicate_triangles),
+                grouped(found.degenerate_triangles),
+                grouped(found.parts)
             ),
         );
-        let [low, high] = [self.minimum, self.maximum].map(|[x, y, z]| format!("{x} {y} {z}"));
-        let hint = if self.coarse {
-            let farthest = self.minimum.iter().chain(&self.maximum).fold(0f32, |far, x| far.max(x.abs()));
+        let [low, high] = [found.minimum, found.maximum].map(|[x, y, z]| format!("{x} {y} {z}"));
+        let hint = if *coarse {
+            let farthest = found.minimum.iter().chain(&found.maximum).fold(0f32, |far, x| far.max(x.abs()));
             format!(
                 ": coordinates of {farthest:e} with f32 steps of {}, edges of {:.3e}: georeferenced? subtract an origin",
-                self.step, self.mean_edge
+                found.step, found.mean_edge
             )
         } else {
-            format!("; f32 steps of {:.1e}, mean edge {:.3e}", self.step, self.mean_edge)
+            format!("; f32 steps of {:.1e}, mean edge {:.3e}", found.step, found.mean_edge)
         };
         rows.add("extent", format!("{low} to {high}{hint}"));
     }
@@ -157,26 +150,14 @@ impl Report {
         }
     }
 
-    /// The report with what the scene's loader warned of.
-    pub(crate) fn with_warnings(self, warnings: &[Warning]) -> Self {
-        Self { warnings: warnings.iter().map(Warning::to_string).collect(), ..self }
+    /// The report with what the scene is warned of.
+    pub(crate) fn with_warnings<'a>(self, warnings: impl Iterator<Item = &'a Warning>) -> Self {
+        Self { warnings: warnings.map(Warning::to_string).collect(), ..self }
     }
 
     /// The report with what is wrong with the mesh.
     pub(crate) fn with_mesh_check(self, check: &MeshCheck) -> Self {
-        let check = Check {
-            open_edges: check.open_edges,
-            non_manifold_edges: check.non_manifold_edges,
-            flipped_edges: check.flipped_edges,
-            duplicate_triangles: check.duplicate_triangles,
-            degenerate_triangles: check.degenerate_triangles,
-            parts: check.parts,
-            minimum: check.minimum,
-            maximum: check.maximum,
-            step: check.step,
-            mean_edge: check.mean_edge,
-            coarse: check.is_coarse(),
-        };
+        let check = Check { found: *check, coarse: check.is_coarse() };
         Self { mesh_check: Some(check), ..self }
     }
 
@@ -254,8 +235,36 @@ impl Report {
             format!(", build {build:.3} s on {} threads ({rate:.0} k triangles/s)", self.threads)
         });
         rows.add("time", format!("load {:.3} s{built}", seconds.load));
-        rows.finish() + &self.savings.map_or_else(String::new, |savings| savings.table(tree))
+        rows.finish()
+            + &self.savings.map_or_else(String::new, |savings| savings_table(&savings, scene.triangles))
     }
+}
+
+/// Lines below the table.
+fn savings_table(savings: &Savings, triangles: u64) -> String {
+    let per_triangle = |bytes: u64| bytes as f64 / triangles.max(1) as f64;
+    let Savings { baseline, hoisting, collapse, layout } = *savings;
+    let mut rows = Rows::default();
+    rows.add("standard-style", amount(baseline, per_triangle(baseline)));
+    for (step, saved) in [("hoisting", hoisting), ("collapse", collapse), ("layout", layout)] {
+        let sign = if saved < 0 { '+' } else { '-' };
+        let size = saved.unsigned_abs();
+        let share = 100.0 * size as f64 / baseline.max(1) as f64;
+        let amount = amount(size, per_triangle(size));
+        rows.add(&format!("{sign} {step}"), format!("{amount}  {share:>5.1} % of it"));
+    }
+    rows.finish()
+}
+
+/// The line that stands for the savings where nothing was built for them.
+pub(crate) fn savings_hint(statistics: &TreeStatistics, bytes: u64) -> String {
+    let mut rows = Rows::default();
+    let by_layout = crate::ui::bytes(four_byte(statistics).saturating_sub(bytes));
+    rows.add(
+        "savings",
+        format!("{by_layout} by the layout; --savings builds again to show the rest, each apart"),
+    );
+    rows.finish()
 }
 
 /// What a tree was built with, costs aside.
@@ -320,22 +329,22 @@ pub(crate) fn histograms(statistics: &TreeStatistics) -> String {
 }
 
 /// Bytes, and bytes a triangle.
-pub(crate) fn amount(count: u64, per_triangle: f64) -> String {
+fn amount(count: u64, per_triangle: f64) -> String {
     format!("{:>10}  {per_triangle:8.2} B/triangle", bytes(count))
 }
 
 /// Lines of a name and a value.
 #[derive(Default)]
-pub(crate) struct Rows(String);
+struct Rows(String);
 
 impl Rows {
     /// Adds a line.
-    pub(crate) fn add(&mut self, name: &str, value: impl std::fmt::Display) {
+    fn add(&mut self, name: &str, value: impl std::fmt::Display) {
         let _ = writeln!(self.0, "{name:<18} {value}");
     }
 
     /// The lines.
-    pub(crate) fn finish(self) -> String {
+    fn finish(self) -> String {
         self.0
     }
 }

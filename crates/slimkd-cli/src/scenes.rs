@@ -5,10 +5,10 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::saved::{self, is_saved};
 use crate::trees::Origin;
-use crate::ui::{Ui, Watched, grouped};
-use slimkd::KdTree;
+use crate::ui::{Ui, grouped};
+use slimkd::{KdTree, Progress};
 use slimkd_scene::procedural::{self, BuiltIn};
-use slimkd_scene::{FileKind, LoadError, LoadOptions, LoadProgress, Scene, Warning};
+use slimkd_scene::{FileKind, LoadError, LoadOptions, Scene, Warning, WarningKind};
 use std::fmt::Write;
 use std::fs::File;
 use std::num::NonZeroU32;
@@ -38,16 +38,6 @@ impl Loaded {
     }
 }
 
-impl Watched for LoadProgress {
-    fn fraction(&self) -> f64 {
-        self.fraction()
-    }
-
-    fn cancel(&self) {
-        self.cancel();
-    }
-}
-
 /// Loads a file, or generates the built-in scene of that name. `./kitchen` is always a file.
 pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded, Failure> {
     if details.scene_index.is_some() && (is_saved(path) || find(path).is_some()) {
@@ -70,7 +60,7 @@ pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded
     if !path.exists() {
         return Err(unknown(path));
     }
-    let (progress, started) = (LoadProgress::new(), Instant::now());
+    let (progress, started) = (Progress::new(), Instant::now());
     let mut options = LoadOptions::new();
     options.scene_index = details.scene_index;
     options.allow_outside = details.allow_outside;
@@ -84,8 +74,8 @@ pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded
             other => Failure::at(path, other),
         },
     )?;
-    tell(path, &scene.warnings, ui)?;
     let place = path.display().to_string();
+    ui.warn_of(&place, &scene.warnings)?;
     Ok(Loaded { scene, place, seconds: started.elapsed().as_secs_f64(), tree: None })
 }
 
@@ -102,36 +92,44 @@ pub(crate) fn load_all(
         let what = "a saved tree is a scene alone; build one from all the scene files";
         return Err(Failure::Usage(format!("{}: {what}", tree.display())));
     }
-    for path in more {
-        check(path)?;
-    }
-    let mut loaded = load(path, details, ui)?;
     if more.is_empty() {
-        return Ok(loaded);
+        return load(path, details, ui);
     }
-    let mut scenes = vec![std::mem::take(&mut loaded.scene)];
-    for path in more {
-        let next = load(path, &SceneDetails { triangles: None, ..details.clone() }, ui)?;
-        loaded.seconds += next.seconds;
+    more.iter().try_for_each(|path| check(path))?;
+    let paths = || std::iter::once(path).chain(more.iter().map(PathBuf::as_path));
+    if details.triangles.is_some() && paths().all(|path| find(path).is_none()) {
+        return Err(fixed_size(path));
+    }
+    let (mut scenes, mut seconds) = (Vec::new(), 0.0);
+    for path in paths() {
+        // Each of the built-in ones gets so many.
+        let triangles = details.triangles.filter(|_| find(path).is_some());
+        let mut next = load(path, &SceneDetails { triangles, ..details.clone() }, ui)?;
+        let warnings = std::mem::take(&mut next.scene.warnings);
+        next.scene.warnings = warnings.into_iter().map(|warning| warning.within(&next.place)).collect();
+        seconds += next.seconds;
         scenes.push(next.scene);
     }
-    loaded.scene = Scene::merge(scenes).map_err(|error| Failure::at(path, error))?;
-    Ok(loaded)
+    let scene = Scene::merge(scenes).map_err(|error| Failure::at(path, error))?;
+    Ok(Loaded { scene, place: path.display().to_string(), seconds, tree: None })
 }
 
-/// Tells what the loader warns of, one line each; with `--strict` that is an error.
-fn tell(path: &Path, warnings: &[Warning], ui: Ui) -> Result<(), Failure> {
-    for warning in warnings {
-        ui.warn(format_args!("{}: {warning}", path.display()));
+/// The warning of triangles that can never be hit, where there are any.
+pub(crate) fn degenerate(count: u64, total: u64) -> Option<Warning> {
+    let what = "triangles are collinear or not finite and can never be hit";
+    (count > 0).then(|| Warning::counted(WarningKind::Degenerate, count, total, what))
+}
+
+/// Refuses a scene in which nothing can ever be hit.
+pub(crate) fn usable(place: &str, degenerate: u64, triangles: u64) -> Result<(), Failure> {
+    if triangles > degenerate {
+        return Ok(());
     }
-    match warnings {
-        [first, rest @ ..] if ui.is_strict() => {
-            let more = if rest.is_empty() { String::new() } else { format!(" (and {} more)", rest.len()) };
-            let fix = "mend the file, or leave out --strict";
-            Err(Failure::at(path, format_args!("{first}{more}; {fix}")))
-        }
-        _ => Ok(()),
-    }
+    let what = match triangles {
+        0 => "there is no triangle in it".to_owned(),
+        n => format!("all {} triangles are collinear or not finite", grouped(n)),
+    };
+    Err(Failure::work(format_args!("{place}: {what}; export the scene's surfaces as triangles")))
 }
 
 /// Refuses what [`load`] would refuse unread.

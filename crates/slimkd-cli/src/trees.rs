@@ -3,12 +3,13 @@
 use crate::args::{TreeArgs, listed};
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::scenes::Loaded;
-use crate::ui::{Ui, grouped};
+use crate::scenes::{self, Loaded};
+use crate::ui::Ui;
 use slimkd::{
     BuildError, BuildOptions, CompletenessError, KdTree, Layout, Preset, Progress, TreeStatistics,
     TriangleMesh,
 };
+use slimkd_scene::Warning;
 use slimkd_util::alloc;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -140,26 +141,14 @@ pub(crate) fn saved(origin: Origin, tree: KdTree) -> Result<Tree, Failure> {
 /// Refuses a tree in which nothing can ever be hit.
 fn usable(tree: Tree) -> Result<Tree, Failure> {
     let TreeStatistics { triangles, degenerate, .. } = tree.statistics;
-    if triangles > degenerate {
-        return Ok(tree);
-    }
-    let what = match triangles {
-        0 => "there is no triangle in it".to_owned(),
-        n => format!("all {} triangles are collinear or not finite", grouped(n)),
-    };
-    Err(Failure::work(format_args!(
-        "{}: {what}; export the scene's surfaces as triangles",
-        tree.origin.place
-    )))
+    scenes::usable(&tree.origin.place, degenerate, triangles)?;
+    Ok(tree)
 }
 
-/// Says how many triangles can never be hit.
-pub(crate) fn warn_of_degenerate(statistics: &TreeStatistics, ui: Ui) {
-    if statistics.degenerate > 0 {
-        ui.warn(format_args!(
-            "{} of {} triangles are collinear or not finite and can never be hit",
-            grouped(statistics.degenerate),
-            grouped(statistics.triangles)
-        ));
-    }
+/// Says how many triangles can never be hit; with `--strict` that is an error.
+pub(crate) fn warn_of_degenerate(tree: &Tree, ui: Ui) -> Result<Option<Warning>, Failure> {
+    let TreeStatistics { triangles, degenerate, .. } = tree.statistics;
+    let warning = scenes::degenerate(degenerate, triangles);
+    ui.warn_of(&tree.origin.place, warning.as_slice())?;
+    Ok(warning)
 }

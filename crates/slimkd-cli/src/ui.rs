@@ -3,6 +3,7 @@
 use crate::failure::Failure;
 use crate::interrupt;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use slimkd_scene::Warning;
 use std::fmt::Display;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -33,6 +34,16 @@ impl Watched for slimkd::Progress {
     }
 }
 
+impl Watched for slimkd_lab::Progress {
+    fn fraction(&self) -> f64 {
+        self.fraction()
+    }
+
+    fn cancel(&self) {
+        self.cancel();
+    }
+}
+
 /// Where a command talks to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ui {
@@ -51,11 +62,6 @@ impl Ui {
         Self { strict, ..self }
     }
 
-    /// True when a warning about a scene file is an error.
-    pub(crate) fn is_strict(self) -> bool {
-        self.strict
-    }
-
     /// True when only errors are wanted.
     pub(crate) fn is_quiet(self) -> bool {
         self.quiet
@@ -72,6 +78,22 @@ impl Ui {
     /// Something that the user should know although the work goes on.
     pub(crate) fn warn(self, what: impl Display) {
         self.note(format_args!("warning: {what}"));
+    }
+
+    /// Tells what a scene is warned of, one line each; with `--strict` that is an error.
+    pub(crate) fn warn_of(self, place: &str, warnings: &[Warning]) -> Result<(), Failure> {
+        for warning in warnings {
+            self.warn(format_args!("{place}: {warning}"));
+        }
+        match warnings {
+            [first, rest @ ..] if self.strict => {
+                let more =
+                    if rest.is_empty() { String::new() } else { format!(" (and {} more)", rest.len()) };
+                let fix = "mend the file, or leave out --strict";
+                Err(Failure::work(format_args!("{place}: {first}{more}; {fix}")))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Runs `work` on this thread while another one draws its bar and passes Ctrl-C on to it.

@@ -6,7 +6,7 @@
 use slimkd::{KdTree, Preset};
 use slimkd_gpu::frame::GpuScene;
 use slimkd_gpu::{Device, UploadOptions};
-use slimkd_render::{BitDepth, Development, RenderProgress, RenderSettings, Setup, render, views};
+use slimkd_render::{BitDepth, Development, RenderSettings, Setup, render, views};
 use slimkd_scene::{load, procedural};
 use std::error::Error;
 use std::path::Path;
@@ -43,12 +43,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         let tree = KdTree::build(scene.mesh.clone(), &preset.into())?;
         let gpu = GpuScene::upload(&device, &scene, &tree, &options)?;
         for (view, camera) in views::of_scene(&scene, &tree, 3).iter().enumerate() {
-            let (on_cpu, on_gpu) = (RenderProgress::new(), RenderProgress::new());
             let started = Instant::now();
-            let wanted = render(&scene, &tree, camera, &scene.lights, &settings, &on_cpu)?;
+            let wanted = render(&scene, &tree, camera, &scene.lights, &settings, &slimkd::Progress::new())?;
             let seconds = started.elapsed().as_secs_f64();
             let setup = Setup::new(&scene, &tree, camera, &scene.lights, &settings)?;
-            let (film, time) = gpu.render(&setup, &settings, &on_gpu)?;
+            let (film, time) = gpu.render(&setup, &settings, &slimkd::Progress::new())?;
             let apart = wanted.share_apart(&film);
             failed |= apart > 1e-3;
             println!(
@@ -57,8 +56,8 @@ fn main() -> Result<(), Box<dyn Error>> {
                 preset.name(),
                 gpu.shards(),
                 100.0 * apart,
-                on_cpu.statistics().total(),
-                on_gpu.statistics().total(),
+                wanted.rays().total(),
+                film.rays().total(),
                 time.kernels.as_secs_f64()
             );
             for (film, by) in [(&wanted, "cpu"), (&film, "gpu")] {

@@ -5,7 +5,7 @@
 use slimkd::{KdTree, Preset};
 use slimkd_gpu::frame::GpuScene;
 use slimkd_gpu::{Device, UploadOptions};
-use slimkd_render::{RenderProgress, RenderSettings, Setup, views};
+use slimkd_render::{RenderSettings, Setup, views};
 use slimkd_scene::{load, procedural};
 use std::error::Error;
 use std::path::Path;
@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let mut sum = 0.0;
                 for camera in &cameras {
                     let setup = Setup::new(&scene, &tree, camera, &scene.lights, &settings)?;
-                    let (_, time) = uploaded[index].render(&setup, &settings, &RenderProgress::new())?;
+                    let (_, time) = uploaded[index].render(&setup, &settings, &slimkd::Progress::new())?;
                     sum += time.kernels.as_secs_f64();
                 }
                 if round > 0 {

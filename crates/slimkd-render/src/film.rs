@@ -1,19 +1,26 @@
 //! The picture in memory, and its files.
 
+use crate::statistics::RenderStatistics;
 use crate::tone::Development;
 use glam::Vec3;
-use image::{ImageBuffer, ImageFormat, Rgb};
-use slimkd_util::whole_file;
+use slimkd_util::{png, whole_file};
 use std::io::{BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Linear RGB (sRGB primaries), rows from the top.
-#[derive(Clone, Debug, PartialEq)]
+/// Linear RGB (sRGB primaries), rows from the top. Films are equal that show the same, whatever rays they took.
+#[derive(Clone, Debug)]
 pub struct Film {
     width: u32,
     height: u32,
     pixels: Vec<[f32; 3]>,
+    rays: RenderStatistics,
+}
+
+impl PartialEq for Film {
+    fn eq(&self, other: &Self) -> bool {
+        (self.width, self.height) == (other.width, other.height) && self.pixels == other.pixels
+    }
 }
 
 /// Bits per channel of a PNG.
@@ -59,7 +66,7 @@ impl Film {
         let mut pixels = Vec::new();
         pixels.try_reserve_exact(count).map_err(|_| error())?;
         pixels.resize(count, [0.0; 3]);
-        Ok(Self { width, height, pixels })
+        Ok(Self { width, height, pixels, rays: RenderStatistics::default() })
     }
 
     /// Width, pixels.
@@ -80,6 +87,16 @@ impl Film {
     /// The same, to change.
     pub fn pixels_mut(&mut self) -> &mut [[f32; 3]] {
         &mut self.pixels
+    }
+
+    /// The rays that were traced for it.
+    pub fn rays(&self) -> RenderStatistics {
+        self.rays
+    }
+
+    /// Adds to the rays that were traced for it; for whoever renders it.
+    pub fn add_rays(&mut self, rays: RenderStatistics) {
+        self.rays += rays;
     }
 
     /// The colour at column `x`, row `y`.
@@ -143,21 +160,16 @@ impl Film {
     /// Encodes a PNG.
     fn write_png(
         &self,
-        to: &mut (impl Write + Seek),
+        to: &mut impl Write,
         development: &Development,
         depth: BitDepth,
     ) -> Result<(), String> {
-        let too_large = || "too many pixels for a PNG".to_owned();
+        let size = [self.width, self.height];
         match depth {
-            BitDepth::Eight => {
-                let bytes = self.to_srgb8(development);
-                let picture = ImageBuffer::<Rgb<u8>, _>::from_raw(self.width, self.height, bytes);
-                picture.ok_or_else(too_large)?.write_to(to, ImageFormat::Png)
-            }
+            BitDepth::Eight => png::write(to, size, &self.to_srgb8(development)),
             BitDepth::Sixteen => {
                 let words: Vec<u16> = self.developed(development, 65535.0).map(|x| x as u16).collect();
-                let picture = ImageBuffer::<Rgb<u16>, _>::from_raw(self.width, self.height, words);
-                picture.ok_or_else(too_large)?.write_to(to, ImageFormat::Png)
+                png::write_16(to, size, &words)
             }
         }
         .map_err(|e| e.to_string())

@@ -2,9 +2,9 @@
 //!
 //! A batch at a time. Shadow rays from neighbouring points to one light go together; occlusion rays go anywhere.
 
-use crate::progress::RenderStatistics;
 use crate::sampling;
 use crate::shade::{Seen, Shader};
+use crate::statistics::RenderStatistics;
 use glam::Vec3;
 use slimkd::{Hit, Ray, Tracer};
 

@@ -2,13 +2,12 @@
 
 use crate::camera::{CameraError, PinholeFrame};
 use crate::film::{Film, FilmError};
-use crate::progress::RenderProgress;
 use crate::settings::RenderSettings;
 use crate::setup::Setup;
 use crate::shade::Shader;
 use crate::tile::{Tile, trace_tile};
 use rayon::prelude::*;
-use slimkd::KdTree;
+use slimkd::{KdTree, Progress};
 use slimkd_scene::{Camera, Light, Material, Scene};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -18,7 +17,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RenderError {
-    /// [`RenderProgress::cancel`] was called.
+    /// [`Progress::cancel`] was called.
     #[error("the render was cancelled")]
     Cancelled,
     /// The camera cannot take a picture.
@@ -60,14 +59,14 @@ pub enum RenderError {
 }
 
 /// Renders a picture. Without lights, [`default_lights`](crate::default_lights) chooses some. Up is the scene's, or else the
-/// camera's.
+/// camera's. `progress` tells the share of the tiles that are done, and can end the render.
 pub fn render(
     scene: &Scene,
     tree: &KdTree,
     camera: &Camera,
     lights: &[Light],
     settings: &RenderSettings,
-    progress: &RenderProgress,
+    progress: &Progress,
 ) -> Result<Film, RenderError> {
     let setup = Setup::new(scene, tree, camera, lights, settings)?;
     let mut film = Film::new(settings.width, settings.height)?;
@@ -98,7 +97,7 @@ fn tiles(
     film: &mut Film,
     frame: &PinholeFrame,
     shader: &Shader<'_>,
-    progress: &RenderProgress,
+    progress: &Progress,
 ) -> Result<(), RenderError> {
     let (width, height) = (film.width(), film.height());
     let count = Tile::count(width, height);
@@ -107,8 +106,9 @@ fn tiles(
     let film = Mutex::new(film);
     (0..count).into_par_iter().with_max_len(1).try_for_each(|index| {
         let tile = Tile::of_picture(index, width, height);
-        let colours = trace_tile(tile, frame, shader, progress).ok_or(RenderError::Cancelled)?;
+        let (colours, rays) = trace_tile(tile, frame, shader, progress).ok_or(RenderError::Cancelled)?;
         let mut film = film.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        film.add_rays(rays);
         for (row, colours) in colours.chunks_exact(tile.width as usize).enumerate() {
             let start = (tile.y as usize + row) * width as usize + tile.x as usize;
             let to = &mut film.pixels_mut()[start..start + colours.len()];

@@ -4,11 +4,12 @@
 //! [`slimkd::Batch::coherent`] traces.
 
 use crate::camera::PinholeFrame;
-use crate::progress::{RenderProgress, RenderStatistics};
 use crate::sampling;
 use crate::shade::{Path, Shader};
+use crate::statistics::RenderStatistics;
 use crate::waves::Waves;
 use glam::{Vec2, Vec3};
+use slimkd::Progress;
 
 /// Edge of a tile, pixels: large enough to amortise a batch, small enough to balance threads.
 pub(crate) const TILE: u32 = 16;
@@ -48,13 +49,13 @@ impl Tile {
     }
 }
 
-/// The tile's pixels in rows, or `None` when the render was cancelled.
+/// The tile's pixels in rows and the rays that they took, or `None` when the render was cancelled.
 pub(crate) fn trace_tile(
     tile: Tile,
     frame: &PinholeFrame,
     shader: &Shader<'_>,
-    progress: &RenderProgress,
-) -> Option<Vec<Vec3>> {
+    progress: &Progress,
+) -> Option<(Vec<Vec3>, RenderStatistics)> {
     let pixels: Vec<(u32, u32)> = tile.pixels().collect();
     let size = Vec2::new(shader.settings.width as f32, shader.settings.height as f32);
     let samples = shader.settings.samples.max(1);
@@ -78,12 +79,11 @@ pub(crate) fn trace_tile(
             *sum += if colour.is_finite() { colour.max(Vec3::ZERO) } else { Vec3::ZERO };
         }
     }
-    progress.count(&counts);
     let mut rows = vec![Vec3::ZERO; pixels.len()];
     for (&(x, y), sum) in pixels.iter().zip(&sums) {
         rows[((y - tile.y) * tile.width + (x - tile.x)) as usize] = *sum / samples as f32;
     }
-    Some(rows)
+    Some((rows, counts))
 }
 
 #[cfg(test)]

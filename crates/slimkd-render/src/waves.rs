@@ -4,8 +4,8 @@
 //! that [`slimkd::Batch::coherent`] gets; what scatters goes on as a stream there.
 
 use crate::lighting::Lighting;
-use crate::progress::RenderStatistics;
 use crate::shade::{Path, Shader};
+use crate::statistics::RenderStatistics;
 use glam::Vec3;
 use slimkd::{Hit, Ray, Tracer};
 

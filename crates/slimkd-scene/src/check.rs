@@ -9,7 +9,7 @@ const MOST_POSITIONS: usize = 1 << 31;
 const FEWEST_STEPS: f64 = 1024.0;
 
 /// What is wrong with a mesh. Vertices of equal position count as one, and triangles without area have no edges.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 #[non_exhaustive]
 pub struct MeshCheck {
     /// Edges that a single triangle has: the mesh has a border or a hole there.
@@ -20,7 +20,7 @@ pub struct MeshCheck {
     pub flipped_edges: u64,
     /// Triangles that have the same three positions as one before them.
     pub duplicate_triangles: u64,
-    /// Triangles without area.
+    /// Triangles without area, which are never hit: see [`TriangleMesh::is_degenerate`].
     pub degenerate_triangles: u64,
     /// Groups of triangles that share no position with another group.
     pub parts: u64,
@@ -47,7 +47,7 @@ impl MeshCheck {
             .collect();
         drop(positions);
         let has_area: Vec<bool> =
-            (0..mesh.len() as u32).into_par_iter().map(|id| has_area(mesh, id)).collect();
+            (0..mesh.len() as u32).into_par_iter().map(|id| !mesh.is_degenerate(id)).collect();
         check.degenerate_triangles = has_area.par_iter().filter(|&&has| !has).count() as u64;
         check.parts = parts(&triangles, &has_area, mesh.vertices().len());
         check.duplicate_triangles = duplicates(&triangles);
@@ -137,13 +137,6 @@ fn positions(vertices: &[[f32; 3]]) -> Vec<u32> {
         }
     }
     first
-}
-
-fn has_area(mesh: &TriangleMesh, id: u32) -> bool {
-    let [a, b, c] = mesh.corners(id).map(|p| p.map(f64::from));
-    let [u, v] = [b, c].map(|p| [p[0] - a[0], p[1] - a[1], p[2] - a[2]]);
-    let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-    n.iter().all(|x| x.is_finite()) && n.iter().any(|&x| x != 0.0)
 }
 
 fn duplicates(triangles: &[[u32; 3]]) -> u64 {

@@ -33,8 +33,8 @@ pub use camera::{Camera, UpAxis};
 pub use check::MeshCheck;
 pub use light::Light;
 pub use load::{
-    Compression, FileKind, Format, LoadError, LoadOptions, LoadProgress, Place, load, load_bytes,
-    load_bytes_with, load_with,
+    Compression, FileKind, Format, LoadError, LoadOptions, Place, load, load_bytes, load_bytes_with,
+    load_with,
 };
 pub use material::{Material, Texture};
 pub use save::write_ply;

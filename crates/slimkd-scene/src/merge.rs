@@ -1,6 +1,7 @@
 //! Several scenes as one.
 
 use crate::{Attribute, Scene};
+use glam::{DMat3, DMat4, DVec3};
 use slimkd::{MeshError, TriangleMesh};
 use std::sync::Arc;
 
@@ -22,69 +23,200 @@ impl Scene {
         if scenes.len() < 2 {
             return Ok(scenes.pop().unwrap_or_default());
         }
-        let meshes: Vec<Arc<TriangleMesh>> = scenes.iter().map(|scene| Arc::clone(&scene.mesh)).collect();
-        let mut vertices: Vec<[f32; 3]> = Vec::new();
-        let mut triangles: Vec<[u32; 3]> = Vec::new();
-        for mesh in &meshes {
-            // Where the sum is more than ids can name, `TriangleMesh::new` refuses it.
-            let offset = u32::try_from(vertices.len()).unwrap_or(NONE);
-            vertices.extend_from_slice(mesh.vertices());
-            triangles
-                .extend(mesh.triangles().iter().map(|corners| corners.map(|c| c.saturating_add(offset))));
-        }
+        let mut gathered = Gather::default();
         let mut whole = Self {
             name: scenes[0].name.clone(),
             up: scenes.iter().find_map(|scene| scene.up),
-            normals: attribute(&meshes, scenes.iter_mut().map(|scene| scene.normals.take())),
-            uvs: attribute(&meshes, scenes.iter_mut().map(|scene| scene.uvs.take())),
-            colours: attribute(&meshes, scenes.iter_mut().map(|scene| scene.colours.take())),
             ..Self::default()
         };
-        let has_colours = scenes.iter().any(|scene| !scene.face_colours.is_empty());
-        let mut count = 0;
         for scene in scenes {
             let (materials, textures) = (whole.materials.len() as u32, whole.textures.len() as u32);
-            count += scene.mesh.len();
+            gathered.append(&scene, None);
             whole.materials.extend(scene.materials.into_iter().map(|mut material| {
                 material.texture = material.texture.map(|texture| texture + textures);
                 material
             }));
             whole.textures.extend(scene.textures);
             whole.material_ids.extend(scene.material_ids.iter().map(|id| id + materials));
-            whole.material_ids.resize(count, materials);
-            whole.face_colours.extend(scene.face_colours);
-            if has_colours {
-                whole.face_colours.resize(count, [255; 4]);
-            }
+            whole.material_ids.resize(gathered.triangles.len(), materials);
             whole.cameras.extend(scene.cameras);
             whole.lights.extend(scene.lights);
             whole.warnings.extend(scene.warnings);
         }
-        whole.mesh = Arc::new(TriangleMesh::new(vertices, triangles)?);
-        Ok(whole)
+        let Self { mesh, normals, uvs, colours, face_colours, .. } = gathered.finish()?;
+        Ok(Self { mesh, normals, uvs, colours, face_colours, ..whole })
     }
 }
 
-fn attribute<T>(
-    meshes: &[Arc<TriangleMesh>],
-    parts: impl Iterator<Item = Option<Attribute<T>>>,
-) -> Option<Attribute<T>> {
-    let parts: Vec<_> = parts.collect();
-    if parts.iter().all(Option::is_none) {
-        return None;
+/// Where a part is put, and how it is turned.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placement {
+    world: DMat4,
+    for_normals: DMat3,
+    /// Two corners change places: a mirrored triangle would face the other way.
+    turned: bool,
+    /// Normals point the other way.
+    flipped: bool,
+    /// Texture coordinates count from the upper edge.
+    from_above: bool,
+    /// The part's normals are left out.
+    faceted: bool,
+}
+
+impl Placement {
+    /// A placement by a transform.
+    pub(crate) fn new(world: DMat4) -> Self {
+        let linear = DMat3::from_mat4(world);
+        let determinant = linear.determinant();
+        let for_normals = if determinant == 0.0 { linear } else { linear.inverse().transpose() };
+        let turned = determinant < 0.0;
+        Self { world, for_normals, turned, flipped: false, from_above: false, faceted: false }
     }
-    let mut whole = Attribute { values: Vec::new(), indices: None };
-    let mut indices: Vec<[u32; 3]> = Vec::new();
-    for (mesh, part) in meshes.iter().zip(parts) {
-        let Some(part) = part else {
-            indices.resize(indices.len() + mesh.len(), [NONE; 3]);
-            continue;
+
+    /// Makes what is outside the inside.
+    pub(crate) fn flipped(self, flipped: bool) -> Self {
+        Self { turned: self.turned != flipped, flipped, ..self }
+    }
+
+    /// Turns texture coordinates round that count from the upper edge.
+    pub(crate) fn uvs_from_above(self, from_above: bool) -> Self {
+        Self { from_above, ..self }
+    }
+
+    /// Leaves the part's normals out.
+    pub(crate) fn faceted(self, faceted: bool) -> Self {
+        Self { faceted, ..self }
+    }
+}
+
+/// Meshes and the attributes of their vertices while they are put together.
+#[derive(Default)]
+pub(crate) struct Gather {
+    vertices: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    normals: Column<[f32; 3]>,
+    uvs: Column<[f32; 2]>,
+    colours: Column<[u8; 4]>,
+    face_colours: Vec<[u8; 4]>,
+}
+
+impl Gather {
+    /// How many triangles there are so far.
+    pub(crate) fn len(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Adds a part's triangles behind those that are there.
+    pub(crate) fn append(&mut self, part: &Scene, placement: Option<&Placement>) {
+        let (mesh, before) = (&part.mesh, self.triangles.len());
+        let turned = placement.is_some_and(|placement| placement.turned);
+        let at = Place {
+            mesh,
+            turned,
+            // Where the sum is more than ids can name, `TriangleMesh::new` refuses it.
+            vertices: u32::try_from(self.vertices.len()).unwrap_or(NONE),
+            before: &self.triangles,
         };
-        let offset = u32::try_from(whole.values.len()).unwrap_or(NONE);
-        let own = part.indices.as_deref().unwrap_or(mesh.triangles());
-        indices.extend(own.iter().map(|corners| corners.map(|corner| corner.saturating_add(offset))));
-        whole.values.extend(part.values);
+        match placement {
+            None => {
+                self.normals.append(part.normals.as_ref(), &at, |normal| normal);
+                self.uvs.append(part.uvs.as_ref(), &at, |uv| uv);
+                self.vertices.extend_from_slice(mesh.vertices());
+            }
+            Some(&Placement { world, for_normals, flipped, from_above, faceted, .. }) => {
+                let sign = if flipped { -1.0 } else { 1.0 };
+                let normal = |n: [f32; 3]| {
+                    let n = for_normals * DVec3::from(n.map(f64::from));
+                    (sign * n).normalize_or_zero().as_vec3().to_array()
+                };
+                self.normals.append(part.normals.as_ref().filter(|_| !faceted), &at, normal);
+                let uv = |[u, v]: [f32; 2]| if from_above { [u, 1.0 - v] } else { [u, v] };
+                self.uvs.append(part.uvs.as_ref(), &at, uv);
+                // The one place where coordinates become f32.
+                self.vertices.extend(
+                    mesh.vertices()
+                        .iter()
+                        .map(|&p| world.transform_point3(DVec3::from(p.map(f64::from))).as_vec3().to_array()),
+                );
+            }
+        }
+        self.colours.append(part.colours.as_ref(), &at, |colour| colour);
+        let offset = at.vertices;
+        self.triangles.extend(mesh.triangles().iter().map(|&corners| turn(shift(corners, offset), turned)));
+        if !part.face_colours.is_empty() {
+            self.face_colours.resize(before, [255; 4]);
+            self.face_colours.extend_from_slice(&part.face_colours);
+        }
     }
-    whole.indices = Some(indices);
-    Some(whole)
+
+    /// The whole as a scene without anything else.
+    pub(crate) fn finish(mut self) -> Result<Scene, MeshError> {
+        if !self.face_colours.is_empty() {
+            self.face_colours.resize(self.triangles.len(), [255; 4]);
+        }
+        Ok(Scene {
+            mesh: Arc::new(TriangleMesh::new(self.vertices, self.triangles)?),
+            normals: self.normals.finish(),
+            uvs: self.uvs.finish(),
+            colours: self.colours.finish(),
+            face_colours: self.face_colours,
+            ..Scene::default()
+        })
+    }
+}
+
+/// What an attribute must know of the part that it belongs to.
+struct Place<'a> {
+    mesh: &'a TriangleMesh,
+    turned: bool,
+    vertices: u32,
+    before: &'a [[u32; 3]],
+}
+
+/// An attribute while parts are put together; without indices of its own while it goes with the vertices.
+#[derive(Default)]
+struct Column<T> {
+    values: Vec<T>,
+    indices: Option<Vec<[u32; 3]>>,
+    is_there: bool,
+}
+
+impl<T: Copy> Column<T> {
+    fn append(&mut self, part: Option<&Attribute<T>>, at: &Place<'_>, each: impl Fn(T) -> T) {
+        let (mesh, before) = (at.mesh, at.before);
+        let Some(part) = part else {
+            if self.is_there {
+                let indices = self.indices.get_or_insert_with(|| before.to_vec());
+                indices.resize(before.len() + mesh.len(), [NONE; 3]);
+            }
+            return;
+        };
+        let offset = u32::try_from(self.values.len()).unwrap_or(NONE);
+        let goes_with_vertices = part.indices.is_none()
+            && part.values.len() == mesh.vertices().len()
+            && offset == at.vertices
+            && self.indices.is_none()
+            && (self.is_there || before.is_empty());
+        if !goes_with_vertices {
+            let is_there = self.is_there;
+            let all = || if is_there { before.to_vec() } else { vec![[NONE; 3]; before.len()] };
+            let indices = self.indices.get_or_insert_with(all);
+            let own = part.indices.as_deref().unwrap_or(mesh.triangles());
+            indices.extend(own.iter().map(|&corners| turn(shift(corners, offset), at.turned)));
+        }
+        self.is_there = true;
+        self.values.extend(part.values.iter().map(|&value| each(value)));
+    }
+
+    fn finish(self) -> Option<Attribute<T>> {
+        self.is_there.then_some(Attribute { values: self.values, indices: self.indices })
+    }
+}
+
+fn shift(corners: [u32; 3], offset: u32) -> [u32; 3] {
+    corners.map(|corner| corner.saturating_add(offset))
+}
+
+fn turn([a, b, c]: [u32; 3], turned: bool) -> [u32; 3] {
+    if turned { [a, c, b] } else { [a, b, c] }
 }

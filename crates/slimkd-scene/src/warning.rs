@@ -16,6 +16,9 @@ pub enum WarningKind {
     Polygon,
     /// The numbers of the file are finer than `f32` can hold, so vertices moved.
     Precision,
+    /// Triangles have no area, or a coordinate that is not finite: they keep their ids and are never hit. Loaders do not look for them;
+    /// [`slimkd::TreeStatistics::degenerate`] and [`crate::MeshCheck`] count them.
+    Degenerate,
     /// There were more warnings than a scene keeps.
     More,
 }
@@ -29,6 +32,7 @@ impl WarningKind {
             Self::Invalid => "invalid",
             Self::Polygon => "polygon",
             Self::Precision => "precision",
+            Self::Degenerate => "degenerate",
             Self::More => "more",
         }
     }
@@ -66,6 +70,12 @@ impl Warning {
     /// A warning about `count` of `total` things; `what` goes on behind the numbers.
     pub fn counted(kind: WarningKind, count: u64, total: u64, what: impl fmt::Display) -> Self {
         Self { count: Some((count, total)), ..Self::new(kind, format!("{count} of {total} {what}")) }
+    }
+
+    /// The same warning about one of several files: its name stands before the text.
+    #[must_use]
+    pub fn within(self, file: impl fmt::Display) -> Self {
+        Self { text: Self::new(self.kind, format!("{file}: {}", self.text)).text, ..self }
     }
 
     /// The whole warning in one line.

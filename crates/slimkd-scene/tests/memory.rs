@@ -124,6 +124,49 @@ impl Terrain {
         self.json(&format!(r#""uri":"data:application/octet-stream;base64,{data}","#), 1).into_bytes()
     }
 
+    /// Stored, so that its bytes are what is decoded.
+    fn serialized(&self) -> Vec<u8> {
+        let mut out = vec![0x1c, 4, 3, 0];
+        let mut encoder = flate2::write::ZlibEncoder::new(&mut out, flate2::Compression::none());
+        encoder.write_all(&0x1000u32.to_le_bytes()).unwrap();
+        let counts = [self.vertices().count() as u64, self.triangles().count() as u64];
+        encoder.write_all(counts.map(u64::to_le_bytes).as_flattened()).unwrap();
+        encoder.write_all(&self.buffer()).unwrap();
+        encoder.finish().unwrap();
+        out
+    }
+
+    /// One model, or a sequence of features with so many triangles each.
+    fn city(&self, each: usize) -> Vec<u8> {
+        let (vertices, triangles): (Vec<_>, Vec<_>) = (self.vertices().collect(), self.triangles().collect());
+        let head = r#""version":"2.0","transform":{"scale":[0.01,0.01,0.01],"translate":[0,0,0]}"#;
+        let mut out = Vec::new();
+        let is_whole = each >= triangles.len();
+        if !is_whole {
+            writeln!(out, r#"{{"type":"CityJSON",{head},"CityObjects":{{}},"vertices":[]}}"#).unwrap();
+        }
+        for part in triangles.chunks(each) {
+            let kind = if is_whole { "CityJSON" } else { "CityJSONFeature" };
+            write!(out, r#"{{"type":"{kind}",{head},"CityObjects":{{"a":{{"type":"TINRelief","geometry":["#)
+                .unwrap();
+            write!(out, r#"{{"type":"CompositeSurface","lod":"2","boundaries":["#).unwrap();
+            let at = |corner: usize, k: u32| if is_whole { k as usize } else { corner };
+            for (k, corners) in part.iter().enumerate() {
+                let [a, b, c] = std::array::from_fn(|corner| at(3 * k + corner, corners[corner]));
+                write!(out, "{}[[{a},{b},{c}]]", if k > 0 { "," } else { "" }).unwrap();
+            }
+            write!(out, r#"]}}]}}}},"vertices":["#).unwrap();
+            let own: Vec<u32> =
+                if is_whole { (0..vertices.len() as u32).collect() } else { part.as_flattened().to_vec() };
+            for (k, vertex) in own.iter().enumerate() {
+                let [x, y, z] = vertices[*vertex as usize].map(|x| (100.0 * x).round() as i32);
+                write!(out, "{}[{x},{y},{z}]", if k > 0 { "," } else { "" }).unwrap();
+            }
+            writeln!(out, "]}}").unwrap();
+        }
+        out
+    }
+
     fn glb(&self, nodes: usize) -> Vec<u8> {
         let (mut json, buffer) = (self.json("", nodes).into_bytes(), self.buffer());
         json.resize(json.len().next_multiple_of(4), b' ');
@@ -175,7 +218,7 @@ fn measured(kind: FileKind, bytes: &[u8]) -> (Result<Scene, LoadError>, usize) {
 #[test]
 fn loading_takes_memory_in_proportion() {
     let terrain = Terrain { edge: 300 };
-    let samples: [(&str, Format, Vec<u8>); 7] = [
+    let samples: [(&str, Format, Vec<u8>); 10] = [
         ("binary PLY", Format::Ply, terrain.ply(false)),
         ("text PLY", Format::Ply, terrain.ply(true)),
         ("OBJ", Format::Obj, terrain.obj()),
@@ -183,6 +226,9 @@ fn loading_takes_memory_in_proportion() {
         ("text STL", Format::Stl, terrain.stl(true)),
         ("glTF", Format::Gltf, terrain.gltf()),
         ("GLB", Format::Glb, terrain.glb(1)),
+        ("serialized", Format::Serialized, terrain.serialized()),
+        ("CityJSON", Format::CityJson, terrain.city(180_000)),
+        ("CityJSONSeq", Format::CityJsonSeq, terrain.city(60)),
     ];
     for (name, format, bytes) in &samples {
         for compression in [Compression::None, Compression::Zstd, Compression::Gzip] {

@@ -1,4 +1,4 @@
-//! The generator behind every random ray: small, seeded, the same on every machine.
+//! The generator behind every random ray, scene and test: small, seeded, the same on every machine.
 
 /// SplitMix64 (Steele, Lea & Flood, *Fast Splittable Pseudorandom Number Generators*, OOPSLA 2014).
 #[derive(Clone, Debug)]
@@ -18,6 +18,16 @@ impl Rng {
         z ^ (z >> 31)
     }
 
+    /// A generator of its own: what it draws does not disturb the draws of this one.
+    pub fn fork(&mut self) -> Self {
+        Self(self.bits())
+    }
+
+    /// Uniform in 0..n as far as 64 bits divide evenly; 0 for n = 0.
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.bits() % n.max(1) as u64) as usize
+    }
+
     /// Uniform in [0, 1).
     pub fn unit(&mut self) -> f32 {
         (self.bits() >> 40) as f32 / (1u32 << 24) as f32
@@ -26,6 +36,11 @@ impl Rng {
     /// Uniform in [low, high).
     pub fn between(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * self.unit()
+    }
+
+    /// Uniform in the unit cube.
+    pub fn point(&mut self) -> [f32; 3] {
+        [self.unit(), self.unit(), self.unit()]
     }
 
     /// Uniform on the unit sphere.
@@ -47,7 +62,7 @@ mod tests {
         assert_eq!(a.bits(), b.bits());
         assert_ne!(a.bits(), c.bits());
         for _ in 0..1000 {
-            assert!((0.0..1.0).contains(&a.unit()));
+            assert!((0.0..1.0).contains(&a.unit()) && a.below(3) < 3);
             let d = a.direction();
             assert!((d.iter().map(|x| x * x).sum::<f32>() - 1.0).abs() < 1e-5);
         }

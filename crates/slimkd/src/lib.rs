@@ -94,6 +94,9 @@
 //! | `serde` | no | options, sizes, statistics, rays and hits as serde types |
 //! | `counters` | no | [`Counters`] of what kernels do; tracing is slower |
 
+// Elsewhere there are no lanes, and their kernels are not called.
+#![cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), allow(dead_code))]
+
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;

@@ -69,7 +69,7 @@ fn lower_processors_build_and_hit_the_same() {
         return;
     }
     if Command::new("qemu-x86_64").arg("--version").output().is_err() {
-        return common::missing("qemu", "lower processors are not emulated; install qemu-user");
+        return slimkd_util::missing("qemu", "Debian: apt-get install qemu-user");
     }
     let expected = digest();
     for (processor, set) in PROCESSORS {

@@ -37,8 +37,8 @@ Examples:
   slimkd report building.ply.zst -o report
   slimkd scene --list
 
-SCENE is a file (.ply .obj .stl .off .gltf .glb .asc .npy, each also with .zst or .gz behind it), the name
-of a built-in scene, or a tree.skd saved by `slimkd build -o`.
+SCENE is a file (.ply .obj .stl .off .gltf .glb .xml .serialized .json .jsonl .asc .npy, each also with .zst
+or .gz behind it), the name of a built-in scene, or a tree.skd saved by `slimkd build -o`.
 Exit status: 0 done, 1 the work failed, 2 wrong usage, 130 interrupted.";
 
 /// The commands.

@@ -26,13 +26,13 @@ pub(crate) struct MoreScenes {
 /// What belongs to a scene beside its name.
 #[derive(Clone, Debug, Default, Args)]
 pub(crate) struct SceneDetails {
-    /// How many triangles a built-in scene gets, 1 to 100000000
+    /// How many triangles a built-in scene gets, 1 to 100000000; of several, each
     #[arg(long, value_name = "N", value_parser = triangles)]
     pub(crate) triangles: Option<NonZeroU32>,
     /// The scene that a tree.skd was built from: needed where it was saved with --no-mesh, and brings its materials
     #[arg(long, value_name = "SCENE")]
     pub(crate) mesh: Option<PathBuf>,
-    /// Read materials, textures and buffers outside the scene file's folder as well
+    /// Read what a scene names (materials, textures, buffers, shapes) outside its file's folder as well
     #[arg(long)]
     pub(crate) allow_outside: bool,
     /// Which scene of a glTF file with several, from 0; without it the one that the file names as its default

@@ -3,11 +3,11 @@
 use crate::args::{MoreScenes, SceneArgs, TreeArgs};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::report::Report;
-use crate::savings::{self, Savings};
+use crate::report::{Report, savings_hint};
 use crate::{saved, scenes, trees, ui, ui::Ui};
 use clap::Args;
-use slimkd::FileError;
+use slimkd::{BuildOptions, FileError};
+use slimkd_lab::measure::savings::Savings;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -53,7 +53,7 @@ pub(crate) fn run(args: &BuildArgs, ui: Ui) -> Result<(), Failure> {
     drop(loaded.tree.take());
     let (scene, options) = (&loaded.scene, args.tree.options());
     let tree = trees::build(&loaded.origin(), &scene.mesh, &options, ui)?;
-    trees::warn_of_degenerate(&tree.statistics, ui);
+    let degenerate = trees::warn_of_degenerate(&tree, ui)?;
     if let Some(output) = output {
         let mut draft = output.draft()?;
         let written = match args.no_mesh {
@@ -67,13 +67,20 @@ pub(crate) fn run(args: &BuildArgs, ui: Ui) -> Result<(), Failure> {
         draft.commit()?;
         ui.note(format_args!("wrote {}", output.path().display()));
     }
-    let savings = args.savings.then(|| Savings::measure(&tree, &options, ui)).transpose()?;
-    let report = Report::new(&tree, args.tree.threads).with_savings(savings).with_warnings(&scene.warnings);
+    let bytes = tree.tree.memory().tree();
+    let other = |options: &BuildOptions| {
+        let tree = trees::build(&tree.origin, &scene.mesh, options, ui)?;
+        Ok::<_, Failure>(tree.tree.memory().tree())
+    };
+    let measure = || Savings::measure((&tree.statistics, bytes), &options, other);
+    let savings = args.savings.then(measure).transpose()?;
+    let report = Report::new(&tree, args.tree.threads)
+        .with_savings(savings)
+        .with_warnings(scene.warnings.iter().chain(&degenerate));
     if args.json {
         return ui::print_json(&report);
     }
-    let hint =
-        if args.savings { String::new() } else { savings::hint(&tree.statistics, tree.tree.memory().tree()) };
+    let hint = if args.savings { String::new() } else { savings_hint(&tree.statistics, bytes) };
     ui::print(&(report.table(&tree) + &hint))
 }
 

@@ -6,6 +6,7 @@ use crate::output::Output;
 use crate::scenes;
 use crate::ui::Ui;
 use clap::Args;
+use rayon::prelude::*;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -21,7 +22,7 @@ pub(crate) struct ConvertArgs {
     scene: SceneArgs,
     #[command(flatten)]
     more: MoreScenes,
-    /// The PLY file to write: positions and triangles alone
+    /// The PLY file to write: positions, triangles and the colours of both
     #[arg(short, long, value_name = "file.ply")]
     output: PathBuf,
 }
@@ -39,6 +40,11 @@ pub(crate) fn run(args: &ConvertArgs, ui: Ui) -> Result<(), Failure> {
     let output = Output::prepare(path)?
         .apart_from(scenes::files(&args.scene.scene, &args.scene.details))?
         .apart_from(args.more.more.iter().map(PathBuf::as_path))?;
-    let scene = scenes::load_all(&args.scene.scene, &args.more.more, &args.scene.details, ui)?.scene;
-    output.write_ply(&scene.mesh, path, ui)
+    let loaded = scenes::load_all(&args.scene.scene, &args.more.more, &args.scene.details, ui)?;
+    let mesh = &loaded.scene.mesh;
+    let degenerate = (0..mesh.len() as u32).into_par_iter().filter(|&id| mesh.is_degenerate(id)).count();
+    let (degenerate, triangles) = (degenerate as u64, mesh.len() as u64);
+    scenes::usable(&loaded.place, degenerate, triangles)?;
+    ui.warn_of(&loaded.place, scenes::degenerate(degenerate, triangles).as_slice())?;
+    output.write_ply(&loaded.scene, path, ui)
 }

@@ -38,13 +38,13 @@ pub(crate) fn run(args: &InspectArgs, ui: Ui) -> Result<(), Failure> {
     args.tree.tuning.check()?;
     let mut loaded = scenes::load_all(&args.scene.scene, &args.more.more, &args.scene.details, ui)?;
     let tree = trees::take_or_build(&mut loaded, &args.tree, ui)?;
-    trees::warn_of_degenerate(&tree.statistics, ui);
+    let degenerate = trees::warn_of_degenerate(&tree, ui)?;
     if args.complete {
         let pool = trees::pool(trees::thread_count(args.tree.threads))?;
         trees::prove_complete(&tree, &pool, ui)?;
     }
     let report = Report::new(&tree, args.tree.threads)
-        .with_warnings(&loaded.scene.warnings)
+        .with_warnings(loaded.scene.warnings.iter().chain(&degenerate))
         .with_mesh_check(&MeshCheck::of(tree.tree.mesh()));
     if args.json {
         ui::print_json(&report)

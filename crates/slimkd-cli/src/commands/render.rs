@@ -1,17 +1,16 @@
 //! `slimkd render`: a picture of a scene.
 
-use crate::args::{CameraArgs, SceneDetails, Size, TreeArgs, stops, within};
+use crate::args::{CameraArgs, MoreScenes, SceneDetails, Size, TreeArgs, stops, within};
 use crate::device::{self, Choice, Device};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::trees::{self, Tree};
-use crate::ui::{Ui, Watched, bytes, grouped};
+use crate::ui::{Ui, bytes, grouped};
 use crate::{cameras, interrupt, scenes, ui};
 use clap::{Args, ValueEnum};
-use slimkd::{KdTree, Preset};
-use slimkd_render::{
-    BitDepth, Development, Film, RenderError, RenderProgress, RenderSettings, Setup, ToneMap, render,
-};
+use slimkd::{KdTree, Preset, Progress};
+use slimkd_lab::measure::DeviceError;
+use slimkd_render::{BitDepth, Development, Film, RenderError, RenderSettings, ToneMap, render};
 use slimkd_scene::{Camera, Scene};
 use std::fmt::Write;
 use std::num::NonZeroU32;
@@ -29,6 +28,7 @@ Examples:
   slimkd render model.glb -o model.png --size 1920x1080 --spp 16
   slimkd render building.ply.zst --up z --view 2 -o building.png
   slimkd render building.ply.zst --device gpu -o building.png
+  slimkd render terrain.asc houses.city.json -o town.png
   slimkd render bart.ply --camera 1.05,1.14,1.36,0.97,1.12,1.32,40 --up z -o bart.exr";
 
 /// Arguments of `slimkd render`.
@@ -39,6 +39,8 @@ pub(crate) struct RenderArgs {
     /// its tree's size under each preset
     #[arg(value_name = "SCENE|tree.skd")]
     scene: Option<PathBuf>,
+    #[command(flatten)]
+    more: MoreScenes,
     #[command(flatten)]
     details: SceneDetails,
     /// The picture: .png, or .exr for linear light
@@ -129,26 +131,16 @@ impl PictureArgs {
     }
 }
 
-impl Watched for RenderProgress {
-    fn fraction(&self) -> f64 {
-        self.fraction()
-    }
-
-    fn cancel(&self) {
-        self.cancel();
-    }
-}
-
 /// Builds, renders, writes.
 pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
     args.tree.tuning.check()?;
     let output = Output::prepare(&args.output)?;
     Film::check_format(output.path()).map_err(Failure::usage)?;
     let inputs = args.scene.iter().flat_map(|scene| scenes::files(scene, &args.details));
-    let output = output.apart_from(inputs)?;
+    let output = output.apart_from(inputs.chain(args.more.more.iter().map(PathBuf::as_path)))?;
     let device = device::open(args.device, ui)?;
     let mut loaded = match &args.scene {
-        Some(scene) => scenes::load(scene, &args.details, ui)?,
+        Some(scene) => scenes::load_all(scene, &args.more.more, &args.details, ui)?,
         None if args.details.mesh.is_some() => {
             return Err(Failure::Usage("--mesh belongs to a saved tree; name that too".to_owned()));
         }
@@ -160,16 +152,16 @@ pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
     } else {
         compare_presets(&loaded, args, ui)?
     };
-    trees::warn_of_degenerate(&tree.statistics, ui);
+    trees::warn_of_degenerate(&tree, ui)?;
 
-    let camera = cameras::choose(&args.camera, &loaded, &tree.tree, 1)?[0].camera;
+    let camera = cameras::choose(&args.camera, &loaded, &tree.tree, 1)?[0].1;
     let settings = args.picture.settings(args.tree.threads);
     let picture = Picture { place: &loaded.place, scene: &loaded.scene, tree: &tree.tree, camera, settings };
     let rendered = match &device {
         Some(device) => args.device.or_cpu(picture.on(device.as_ref(), ui)?, ui)?,
         None => None,
     };
-    let Rendered { film, rays, seconds } = match rendered {
+    let (film, seconds) = match rendered {
         Some(rendered) => rendered,
         None => picture.on_the_cpu(ui)?,
     };
@@ -180,7 +172,7 @@ pub(crate) fn run(args: &RenderArgs, ui: Ui) -> Result<(), Failure> {
         args.output.display(),
         film.width(),
         film.height(),
-        grouped(rays)
+        grouped(film.rays().total())
     ));
     Ok(())
 }
@@ -194,12 +186,8 @@ struct Picture<'a> {
     settings: RenderSettings,
 }
 
-/// A picture, and what it took.
-struct Rendered {
-    film: Film,
-    rays: u64,
-    seconds: f64,
-}
+/// A picture, and the seconds that it took.
+type Rendered = (Film, f64);
 
 impl Picture<'_> {
     fn on_the_cpu(&self, ui: Ui) -> Result<Rendered, Failure> {
@@ -211,17 +199,12 @@ impl Picture<'_> {
     /// The inner error is the device's.
     fn on(&self, device: &dyn Device, ui: Ui) -> Result<Result<Rendered, String>, Failure> {
         let Self { scene, tree, camera, settings, .. } = self;
-        let setup =
-            Setup::new(scene, tree, camera, &scene.lights, settings).map_err(|error| self.failure(error))?;
-        let rendered = watched(ui, |progress| {
-            let picture =
-                device.scene(scene, tree).and_then(|scene| scene.picture(&setup, settings, progress));
-            picture.map_err(Some)?.map(|(film, _)| film).ok_or(None)
-        });
+        let rendered =
+            watched(ui, |progress| Ok(device.scene(scene, tree)?.picture(camera, settings, progress)?.0));
         match rendered {
             Ok(rendered) => Ok(Ok(rendered)),
-            Err(Some(error)) => Ok(Err(error)),
-            Err(None) => Err(Failure::Interrupted),
+            Err(DeviceError::Render(error)) => Err(self.failure(error)),
+            Err(error) => Ok(Err(error.to_string())),
         }
     }
 
@@ -235,11 +218,10 @@ impl Picture<'_> {
     }
 }
 
-fn watched<E>(ui: Ui, work: impl FnOnce(&RenderProgress) -> Result<Film, E>) -> Result<Rendered, E> {
-    let (progress, started) = (RenderProgress::new(), Instant::now());
+fn watched<E>(ui: Ui, work: impl FnOnce(&Progress) -> Result<Film, E>) -> Result<Rendered, E> {
+    let (progress, started) = (Progress::new(), Instant::now());
     let film = ui.watch("render", &progress, || work(&progress))?;
-    let (rays, seconds) = (progress.statistics().total(), started.elapsed().as_secs_f64());
-    Ok(Rendered { film, rays, seconds })
+    Ok((film, started.elapsed().as_secs_f64()))
 }
 
 /// Builds the scene's tree under every preset, one after the other, shows how large each is, and keeps the one that

@@ -5,7 +5,7 @@ use crate::device::{self, Choice, Pictures};
 use crate::failure::Failure;
 use crate::output::{is_same, overwritten};
 use crate::saved::is_saved;
-use crate::ui::{Ui, Watched};
+use crate::ui::Ui;
 use crate::{cameras, scenes};
 use clap::Args;
 use slimkd_lab::measure::Session;
@@ -84,16 +84,6 @@ pub(crate) struct ReportArgs {
     #[arg(long, value_name = "raw.json", conflicts_with_all = ["scenes", "quick", "size", "rounds", "threads", "device", "scaling",
         "very_large", "peers", "time_limit", "triangles"])]
     from: Option<PathBuf>,
-}
-
-impl Watched for Progress {
-    fn fraction(&self) -> f64 {
-        self.fraction()
-    }
-
-    fn cancel(&self) {
-        self.cancel();
-    }
 }
 
 /// Measures what is missing, and writes.

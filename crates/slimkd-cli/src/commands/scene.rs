@@ -45,5 +45,5 @@ pub(crate) fn run(args: &SceneCommandArgs, ui: Ui) -> Result<(), Failure> {
     }
     let output = Output::prepare(path)?;
     let scene = scenes::built_in(name, args.triangles, ui)?.scene;
-    output.write_ply(&scene.mesh, path, ui)
+    output.write_ply(&scene, path, ui)
 }

@@ -6,16 +6,15 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::output::{Output, unwritable};
 use crate::rays::{BATCH, RayFile, encode_any, encode_closest};
-use crate::ui::{Ui, Watched, grouped};
+use crate::ui::{Ui, grouped};
 use crate::{saved, scenes, trees};
 use clap::Args;
 use memmap2::Mmap;
 use rayon::prelude::*;
-use slimkd::{KdTree, OpenTree, Ray};
+use slimkd::{KdTree, OpenTree, Progress, Ray};
 use slimkd_lab::measure::rates::Kernel;
 use std::io::Write;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::Instant;
 
 /// Rays that a thread takes at a time: long enough to hide the cost of sharing out, short enough to even out.
@@ -80,7 +79,9 @@ pub(crate) fn run(args: &TraceArgs, ui: Ui) -> Result<(), Failure> {
         _ => None,
     };
     let pool = trees::pool(trees::thread_count(args.tree.threads))?;
-    let progress = Progress { total: input.count().unwrap_or(0), ..Progress::default() };
+    // Ctrl-C is looked at between batches.
+    let progress = Progress::new();
+    let (mut rays, mut hits) = (0, 0);
     let started = Instant::now();
     ui.watch("trace", &progress, || {
         let mut draft = output.draft()?;
@@ -91,17 +92,17 @@ pub(crate) fn run(args: &TraceArgs, ui: Ui) -> Result<(), Failure> {
             if buffers.rays.is_empty() {
                 return draft.commit();
             }
-            let hits = match &gpu {
+            let found = match &gpu {
                 Some(gpu) => buffers.trace_on(gpu.as_ref(), args.kind)?,
                 None => pool.install(|| buffers.trace(&tree, args.kernel, args.kind))?,
             };
             let bytes = buffers.records.as_flattened();
             draft.write_all(bytes).map_err(|error| unwritable(output.path(), &error))?;
-            progress.rays.fetch_add(buffers.rays.len() as u64, Relaxed);
-            progress.hits.fetch_add(hits, Relaxed);
+            rays += buffers.rays.len() as u64;
+            hits += found;
+            progress.set(rays as f64 / input.count().unwrap_or(0).max(1) as f64);
         }
     })?;
-    let (rays, hits) = (progress.rays.into_inner(), progress.hits.into_inner());
     let seconds = started.elapsed().as_secs_f64();
     ui.note(format_args!(
         "{} rays, {} hits ({:.1} %), {seconds:.2} s; wrote {}",
@@ -140,7 +141,7 @@ impl Source {
         }
         let mut loaded = scenes::load_all(scene, &args.more.more, &args.scene.details, ui)?;
         let tree = trees::take_or_build(&mut loaded, &args.tree, ui)?;
-        trees::warn_of_degenerate(&tree.statistics, ui);
+        trees::warn_of_degenerate(&tree, ui)?;
         Ok(Self::Proved(Box::new(tree.tree)))
     }
 }
@@ -209,20 +210,4 @@ fn trace_chunk(
         }
     }
     found
-}
-
-/// How far the file has been traced. Ctrl-C is looked at between batches, so there is nothing to cancel.
-#[derive(Default)]
-struct Progress {
-    total: u64,
-    rays: AtomicU64,
-    hits: AtomicU64,
-}
-
-impl Watched for Progress {
-    fn fraction(&self) -> f64 {
-        self.rays.load(Relaxed) as f64 / self.total.max(1) as f64
-    }
-
-    fn cancel(&self) {}
 }

@@ -1,11 +1,12 @@
 //! The GPU as a device.
 
-use super::{Device, Renderer, Tracer};
-use slimkd::{Aabb, Hit, KdTree, Ray};
+use super::{Device, Tracer};
+use slimkd::{Aabb, Hit, KdTree, Progress, Ray};
 use slimkd_gpu::frame::{FrameError, GpuScene};
 use slimkd_gpu::{GpuTree, UploadOptions};
-use slimkd_render::{Film, RenderError, RenderProgress, RenderSettings, Setup};
-use slimkd_scene::Scene;
+use slimkd_lab::measure::{DeviceError, Ready};
+use slimkd_render::{Film, RenderSettings, Setup};
+use slimkd_scene::{Camera, Scene};
 
 /// Mesa's device selection complains on stderr where there is no XDG_RUNTIME_DIR, as on servers, and then is of no use. It is
 /// switched off by a variable of the environment, which only a new process gets safely: this one becomes it.
@@ -56,12 +57,14 @@ impl Device for slimkd_gpu::Device {
         }
     }
 
-    fn scene<'d>(&'d self, scene: &Scene, tree: &KdTree) -> Result<Box<dyn Renderer + 'd>, String> {
-        match GpuScene::upload(self, scene, tree, &UploadOptions::default()) {
-            Ok(scene) => Ok(Box::new(scene)),
-            Err(error) => Err(error.to_string()),
-        }
+    fn scene<'d>(&'d self, scene: &'d Scene, tree: &'d KdTree) -> Result<Box<dyn Ready + 'd>, DeviceError> {
+        let gpu = GpuScene::upload(self, scene, tree, &UploadOptions::default()).map_err(failed)?;
+        Ok(Box::new(SceneOnGpu { gpu, scene, tree }))
     }
+}
+
+fn failed(error: impl std::fmt::Display) -> DeviceError {
+    DeviceError::Failed(error.to_string())
 }
 
 /// A tree on a GPU, as what measures rates sees it.
@@ -81,17 +84,25 @@ impl Tracer for OnGpu<'_> {
     }
 }
 
-impl Renderer for GpuScene<'_> {
+/// A scene on a GPU, as what measures frames sees it.
+struct SceneOnGpu<'a> {
+    gpu: GpuScene<'a>,
+    scene: &'a Scene,
+    tree: &'a KdTree,
+}
+
+impl Ready for SceneOnGpu<'_> {
     fn picture(
         &self,
-        setup: &Setup<'_>,
+        camera: &Camera,
         settings: &RenderSettings,
-        progress: &RenderProgress,
-    ) -> Result<Option<(Film, f64)>, String> {
-        match self.render(setup, settings, progress) {
-            Ok((film, time)) => Ok(Some((film, time.kernels.as_secs_f64()))),
-            Err(FrameError::Render(RenderError::Cancelled)) => Ok(None),
-            Err(error) => Err(error.to_string()),
+        progress: &Progress,
+    ) -> Result<(Film, f64), DeviceError> {
+        let setup = Setup::new(self.scene, self.tree, camera, &self.scene.lights, settings)?;
+        match self.gpu.render(&setup, settings, progress) {
+            Ok((film, time)) => Ok((film, time.kernels.as_secs_f64())),
+            Err(FrameError::Render(error)) => Err(error.into()),
+            Err(error) => Err(failed(error)),
         }
     }
 }

@@ -9,6 +9,7 @@ const SCENE_COMMANDS: &[&str] = &[
     "render {} --size 8x8",
     "bench {} --rays 100",
     "trace {} --rays none.f32 --out hits.bin",
+    "convert {} -o converted.ply",
 ];
 
 /// Tries `scene` with every command that takes one, and checks that no file appeared.
@@ -85,6 +86,23 @@ fn broken_triangles_among_good_ones_are_counted() {
         assert!(tool.ok(command).stderr.contains("3 of 4 triangles"), "{command}");
     }
     assert_eq!(tool.ok("build some.ply --quiet").stderr, "");
+    tool.file("rays.f32", b"");
+    for command in [
+        "build some.ply -o tree.skd",
+        "inspect some.ply",
+        "render some.ply --size 8x8",
+        "bench some.ply --rays 64",
+        "trace some.ply --rays rays.f32 --out hits.bin",
+        "convert some.ply -o converted.ply",
+    ] {
+        tool.fails(&format!("{command} --quiet --strict"), 1, &["some.ply: 3 of 4 triangles", "--strict"]);
+    }
+    for command in ["build", "inspect"] {
+        let warnings = &tool.json(&format!("{command} some.ply --json"))["warnings"];
+        assert_eq!(warnings.as_array().unwrap().len(), 1, "{command}");
+        assert!(warnings[0].as_str().unwrap().starts_with("3 of 4 triangles"), "{command}: {warnings}");
+    }
+    assert_eq!(tool.files().len(), 3, "{:?}", tool.files());
 }
 
 #[test]
@@ -134,6 +152,9 @@ fn names_say_what_is_written() {
     assert_eq!(tool.files().len(), 1);
     assert_eq!(std::fs::read(tool.path("square.ply")).unwrap(), square().as_bytes());
     tool.ok("build square.ply -o TREE.SKD");
+    for line in ["trace square.ply --rays square.ply --out -", "render square.ply -o -"] {
+        tool.fails(line, 2, &["- is no name for standard output", "./-"]);
+    }
 }
 
 #[test]
@@ -167,6 +188,12 @@ fn inputs_are_never_overwritten() {
     #[cfg(unix)]
     {
         use std::os::unix::fs::symlink;
+        std::fs::hard_link(tool.path("rays.f32"), tool.path("second.f32")).unwrap();
+        tool.fails(
+            "trace square.ply --rays rays.f32 --out second.f32",
+            2,
+            &["would overwrite", "second.f32"],
+        );
         symlink(tool.path("rays.f32"), tool.path("link.f32")).unwrap();
         tool.fails("trace square.ply --rays link.f32 --out rays.f32", 2, &["would overwrite", "link.f32"]);
         tool.fails("trace square.ply --rays rays.f32 --out link.f32", 2, &["would overwrite"]);

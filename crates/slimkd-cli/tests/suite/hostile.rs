@@ -7,22 +7,13 @@ mod skd;
 
 use crate::common::{Tool, ray_file, square};
 use slimkd::{Preset, Ray};
+use slimkd_util::Rng;
 use std::io::Write;
 
 /// Address space, KiB: threads' stacks and the program itself take part of it.
 const MEMORY: u32 = 1_500_000;
 /// CPU time of a run, s; all of these files are small.
 const SECONDS: u32 = 10;
-
-struct Rng(u64);
-
-impl Rng {
-    fn below(&mut self, n: usize) -> usize {
-        // Knuth's MMIX generator; the upper bits are the good ones.
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 33) as usize) % n
-    }
-}
 
 /// The status of a run within the limits.
 fn limited(tool: &Tool, line: &str) -> i32 {
@@ -115,7 +106,7 @@ fn scene_files_of_every_format() {
         ("gltf", gltf(3, 36).into()),
         ("glb", glb()),
     ];
-    let mut rng = Rng(1);
+    let mut rng = Rng::new(1);
     let (mut answered, mut refused) = (0, 0);
     for (extension, whole) in &seeds {
         let name = format!("whole.{extension}");
@@ -179,7 +170,7 @@ fn compressed_bombs() {
 fn saved_trees() {
     let tool = Tool::new();
     ray_file(&tool.path("rays.f32"), &[Ray::new([0.0, 1.0, 0.0], [0.3, -0.2, 0.5]); 64]);
-    let mut rng = Rng(2);
+    let mut rng = Rng::new(2);
     let (mut answered, mut wrong) = (0, 0);
     for preset in [Preset::Slim, Preset::Standard, Preset::PaperSmall] {
         tool.ok(&format!("build kitchen --triangles 1000 --preset {} -o tree.skd", preset.name()));
@@ -242,7 +233,7 @@ fn forged_trees_that_lack_triangles() {
 fn ray_files() {
     let tool = Tool::new();
     tool.ok("build kitchen --triangles 1000 -o tree.skd");
-    let mut rng = Rng(3);
+    let mut rng = Rng::new(3);
     for round in 0..8 {
         let bytes: Vec<u8> = (0..32 * 500).map(|_| rng.below(256) as u8).collect();
         let cut = if round % 4 == 3 { 17 } else { 0 };

@@ -33,6 +33,11 @@ fn reports_have_exactly_the_documented_keys() {
             assert_eq!(json["threads"], 2);
         }
     }
+    // A list that is not empty is a list of lines.
+    tool.file("lines.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nnonsense\n");
+    let keys_of = |line: &str| keys(&tool.json(line));
+    assert_eq!(keys_of("build lines.obj --json"), set(&format!("{REPORT} warnings[]")));
+    assert_eq!(keys_of("inspect lines.obj --json"), set(&format!("{REPORT} {MESH_CHECK} warnings[]")));
 }
 
 #[test]

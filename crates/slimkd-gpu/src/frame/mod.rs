@@ -3,14 +3,14 @@
 //! ```no_run
 //! use slimkd_gpu::frame::GpuScene;
 //! use slimkd_gpu::{Device, UploadOptions};
-//! use slimkd_render::{RenderProgress, RenderSettings, Setup};
-//! # use {slimkd::KdTree, slimkd_scene::{Camera, Scene}};
+//! use slimkd_render::{RenderSettings, Setup};
+//! # use {slimkd::{KdTree, Progress}, slimkd_scene::{Camera, Scene}};
 //! # fn show(scene: Scene, tree: KdTree, camera: Camera) -> Result<(), Box<dyn std::error::Error>> {
 //! let device = Device::open(None)?;
 //! let settings = RenderSettings::sized(640, 480);
 //! let setup = Setup::new(&scene, &tree, &camera, &scene.lights, &settings)?;
 //! let gpu = GpuScene::upload(&device, &scene, &tree, &UploadOptions::default())?;
-//! let (film, time) = gpu.render(&setup, &settings, &RenderProgress::new())?;
+//! let (film, time) = gpu.render(&setup, &settings, &Progress::new())?;
 //! # Ok(())
 //! # }
 //! ```
@@ -30,8 +30,8 @@ use crate::stamps::Stamps;
 use crate::trace::too_large;
 use crate::upload::Uploaded;
 use crate::{Device, GpuError, GpuTime, UploadOptions, source};
-use slimkd::KdTree;
-use slimkd_render::{Film, RenderError, RenderProgress, RenderSettings, RenderStatistics, Setup};
+use slimkd::{KdTree, Progress};
+use slimkd_render::{Film, RenderError, RenderSettings, RenderStatistics, Setup};
 use slimkd_scene::Scene;
 use std::time::Instant;
 use thiserror::Error;
@@ -128,7 +128,7 @@ impl<'d> GpuScene<'d> {
         &self,
         setup: &Setup<'_>,
         settings: &RenderSettings,
-        progress: &RenderProgress,
+        progress: &Progress,
     ) -> Result<(Film, GpuTime), FrameError> {
         let mut film = Film::new(settings.width, settings.height).map_err(RenderError::from)?;
         let kernel = self.kernel(settings.max_depth)?;
@@ -150,7 +150,9 @@ impl<'d> GpuScene<'d> {
                 }
                 (frame.first_sample, frame.sample_count) = (sample, 1);
                 let last = sample + 1 == settings.samples;
-                time.kernels += self.dispatch(&kernel, &buffers, frame, tile, last, progress)?;
+                let (took, rays) = self.dispatch(&kernel, &buffers, frame, tile, last)?;
+                time.kernels += took;
+                film.add_rays(rays);
                 done += 1;
                 progress.set(done as f64 / steps as f64);
             }
@@ -215,7 +217,7 @@ impl<'d> GpuScene<'d> {
     }
 
     /// Renders one sample of a tile and counts its rays; with the last sample the film is left mapped. Returns the time in the
-    /// kernel.
+    /// kernel and the rays.
     fn dispatch(
         &self,
         kernel: &Kernel,
@@ -223,8 +225,7 @@ impl<'d> GpuScene<'d> {
         frame: Frame,
         tile: Tile,
         last: bool,
-        progress: &RenderProgress,
-    ) -> Result<std::time::Duration, GpuError> {
+    ) -> Result<(std::time::Duration, RenderStatistics), GpuError> {
         let Tile { x, y, width, height } = tile;
         let frame = Frame { tile_x: x, tile_y: y, tile_width: width, tile_height: height, ..frame };
         let submitted = self.device.guarded(0, || {
@@ -264,8 +265,7 @@ impl<'d> GpuScene<'d> {
         let mut rays = RenderStatistics::default();
         rays.primary = u64::from(width) * u64::from(height);
         [rays.shadow, rays.reflection, rays.refraction, rays.occlusion] = counted.map(u64::from);
-        progress.count(&rays);
-        Ok(took)
+        Ok((took, rays))
     }
 }
 

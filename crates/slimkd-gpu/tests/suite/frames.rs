@@ -3,11 +3,11 @@
 
 use crate::common::{build, device};
 use glam::Vec3;
-use slimkd::{KdTree, Preset, TriangleMesh};
+use slimkd::{KdTree, Preset, Progress, TriangleMesh};
 use slimkd_gpu::frame::{Frame, FrameError, GpuScene};
 use slimkd_gpu::twin::{Picture, Twin};
 use slimkd_gpu::{Device, GpuError, Image, UploadOptions};
-use slimkd_render::{Film, RenderError, RenderProgress, RenderSettings, Setup, render, views};
+use slimkd_render::{Film, RenderError, RenderSettings, Setup, render, views};
 use slimkd_scene::{Attribute, Camera, Light, Material, Scene, Texture, UpAxis, procedural};
 
 /// Share of the pixels that may differ by more than 1/255 in a channel.
@@ -89,9 +89,8 @@ fn built_in(name: &str) -> (Scene, Camera) {
     (scene, camera)
 }
 
-fn cpu(scene: &Scene, tree: &KdTree, camera: &Camera, settings: &RenderSettings) -> (Film, RenderProgress) {
-    let progress = RenderProgress::new();
-    (render(scene, tree, camera, &scene.lights, settings, &progress).unwrap(), progress)
+fn cpu(scene: &Scene, tree: &KdTree, camera: &Camera, settings: &RenderSettings) -> Film {
+    render(scene, tree, camera, &scene.lights, settings, &Progress::new()).unwrap()
 }
 
 fn twin(scene: &Scene, tree: &KdTree, camera: &Camera, settings: &RenderSettings) -> Film {
@@ -112,13 +111,13 @@ fn gpu(
     (scene, tree, camera): (&Scene, &KdTree, &Camera),
     settings: &RenderSettings,
     options: &UploadOptions,
-) -> (Film, RenderProgress, u32) {
+) -> (Film, u32) {
     let setup = Setup::new(scene, tree, camera, &scene.lights, settings).unwrap();
     let gpu = GpuScene::upload(device, scene, tree, options).unwrap();
-    let progress = RenderProgress::new();
+    let progress = Progress::new();
     let (film, _) = gpu.render(&setup, settings, &progress).unwrap();
     assert_eq!(progress.fraction(), 1.0);
-    (film, progress, gpu.shards())
+    (film, gpu.shards())
 }
 
 fn assert_alike(scene: &Scene, wanted: &Film, found: &Film, by: &str) {
@@ -132,7 +131,7 @@ fn the_twin_shows_the_cpus_picture() {
         [(still_life(), Preset::Slim), (built_in("conference"), Preset::PaperSmall)]
     {
         let (tree, settings) = (build(&scene.mesh, preset), settings(64, 48));
-        let (wanted, _) = cpu(&scene, &tree, &camera, &settings);
+        let wanted = cpu(&scene, &tree, &camera, &settings);
         assert_alike(&scene, &wanted, &twin(&scene, &tree, &camera, &settings), "the twin");
     }
 }
@@ -146,11 +145,11 @@ fn the_gpu_shows_the_cpus_picture() {
         (built_in("conference"), Preset::PaperFast),
     ] {
         let (tree, settings) = (build(&scene.mesh, preset), settings(64, 48));
-        let (wanted, counted) = cpu(&scene, &tree, &camera, &settings);
-        let (film, on_gpu, _) = gpu(&device, (&scene, &tree, &camera), &settings, &UploadOptions::default());
+        let wanted = cpu(&scene, &tree, &camera, &settings);
+        let (film, _) = gpu(&device, (&scene, &tree, &camera), &settings, &UploadOptions::default());
         assert_alike(&scene, &wanted, &film, "the GPU");
         assert_alike(&scene, &twin(&scene, &tree, &camera, &settings), &film, "the GPU (by the twin)");
-        let (wanted, found) = (counted.statistics(), on_gpu.statistics());
+        let (wanted, found) = (wanted.rays(), film.rays());
         assert_eq!(wanted.primary, found.primary);
         let (wanted, found) = (wanted.total() as f64, found.total() as f64);
         assert!((wanted - found).abs() < 0.002 * wanted, "{wanted} rays on the CPU, {found} on the GPU");
@@ -163,10 +162,10 @@ fn shards_and_workgroups_do_not_show() {
     let (scene, camera) = still_life();
     let (tree, settings) = (build(&scene.mesh, Preset::PaperSmall), settings(40, 30));
     let parts = (&scene, &tree, &camera);
-    let (wanted, ..) = gpu(&device, parts, &settings, &UploadOptions::default());
+    let (wanted, _) = gpu(&device, parts, &settings, &UploadOptions::default());
     let mut small = UploadOptions::default();
     (small.binding_limit, small.stack, small.block) = (Some(16 << 10), 1, [8, 8]);
-    let (film, _, shards) = gpu(&device, parts, &settings, &small);
+    let (film, shards) = gpu(&device, parts, &settings, &small);
     assert!(shards > 3, "{shards} shards");
     assert!(film == wanted, "{} of the pixels differ", wanted.share_apart(&film));
 }
@@ -178,11 +177,11 @@ fn cancelled_and_lost_are_errors() {
     let (tree, settings) = (build(&scene.mesh, Preset::Slim), settings(8, 8));
     let setup = Setup::new(&scene, &tree, &camera, &scene.lights, &settings).unwrap();
     let gpu = GpuScene::upload(&device, &scene, &tree, &UploadOptions::default()).unwrap();
-    let progress = RenderProgress::new();
+    let progress = Progress::new();
     progress.cancel();
     let error = gpu.render(&setup, &settings, &progress).unwrap_err();
     assert!(matches!(error, FrameError::Render(RenderError::Cancelled)), "{error}");
     device.destroy();
-    let error = gpu.render(&setup, &settings, &RenderProgress::new()).unwrap_err();
+    let error = gpu.render(&setup, &settings, &Progress::new()).unwrap_err();
     assert!(matches!(error, FrameError::Gpu(GpuError::Lost(_))), "{error}");
 }

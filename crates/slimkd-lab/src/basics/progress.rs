@@ -1,24 +1,17 @@
-//! How far a report has come, and how to stop it.
+//! How far work of many pieces has come, and how to stop it.
 
-use slimkd_render::RenderProgress;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Work inside a unit that listens to a cancel of its own.
-#[derive(Clone)]
-enum Inner {
-    Build(Arc<slimkd::Progress>),
-    Render(Arc<RenderProgress>),
-}
-
-/// Shared between a running report and whoever watches it.
+/// Shared between running measurements and whoever watches them.
 #[derive(Default)]
 pub struct Progress {
-    /// Expected seconds of all work, in thousandths; only their ratio counts.
+    /// What all pieces weigh, in any unit; only ratios count.
     total: AtomicU64,
     done: AtomicU64,
     cancelled: AtomicBool,
-    inner: Mutex<Option<Inner>>,
+    /// The piece at hand, if it listens to a cancel of its own.
+    piece: Mutex<Option<Arc<slimkd::Progress>>>,
 }
 
 impl Progress {
@@ -27,18 +20,16 @@ impl Progress {
         Self::default()
     }
 
-    /// Share of the work that is done, 0 to 1, by estimates of what each unit takes.
+    /// Share of the work that is done, 0 to 1, by estimates of what each piece takes.
     pub fn fraction(&self) -> f64 {
         (self.done.load(Relaxed) as f64 / self.total.load(Relaxed).max(1) as f64).min(1.0)
     }
 
-    /// Asks the report to end with [`crate::ReportError::Cancelled`] soon.
+    /// Asks the work to end with [`crate::ReportError::Cancelled`] soon.
     pub fn cancel(&self) {
         self.cancelled.store(true, Relaxed);
-        match &*self.inner.lock().unwrap_or_else(PoisonError::into_inner) {
-            Some(Inner::Build(progress)) => progress.cancel(),
-            Some(Inner::Render(progress)) => progress.cancel(),
-            None => {}
+        if let Some(piece) = &*self.piece.lock().unwrap_or_else(PoisonError::into_inner) {
+            piece.cancel();
         }
     }
 
@@ -47,7 +38,12 @@ impl Progress {
         self.cancelled.load(Relaxed)
     }
 
-    /// More work is known of; `weight` in expected milliseconds.
+    /// An error once the work was cancelled.
+    pub(crate) fn check(&self) -> Result<(), crate::basics::ReportError> {
+        if self.is_cancelled() { Err(crate::basics::ReportError::Cancelled) } else { Ok(()) }
+    }
+
+    /// More work is known of.
     pub(crate) fn expect(&self, weight: u64) {
         self.total.fetch_add(weight, Relaxed);
     }
@@ -62,24 +58,14 @@ impl Progress {
         self.done.store(total, Relaxed);
     }
 
-    pub(crate) fn building(&self) -> Arc<slimkd::Progress> {
+    /// The progress of one piece, a build or a picture, which is cancelled with the whole.
+    pub fn piece(&self) -> Arc<slimkd::Progress> {
         let progress = Arc::new(slimkd::Progress::new());
-        self.set(Inner::Build(Arc::clone(&progress)));
-        progress
-    }
-
-    /// The progress of one picture, which is cancelled with the report.
-    pub fn rendering(&self) -> Arc<RenderProgress> {
-        let progress = Arc::new(RenderProgress::new());
-        self.set(Inner::Render(Arc::clone(&progress)));
-        progress
-    }
-
-    fn set(&self, inner: Inner) {
-        *self.inner.lock().unwrap_or_else(PoisonError::into_inner) = Some(inner);
+        *self.piece.lock().unwrap_or_else(PoisonError::into_inner) = Some(Arc::clone(&progress));
         // Whoever cancelled just before must not be missed.
         if self.is_cancelled() {
             self.cancel();
         }
+        progress
     }
 }

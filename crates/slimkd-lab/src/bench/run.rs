@@ -108,7 +108,7 @@ pub fn run(args: &Args, say: &mut dyn FnMut(&str)) -> Result<Report> {
         settings: settings(args, threads, view, rays.lights[0]),
         scene: scene_report(args, &scene),
         workloads: rays.workloads.iter().zip(&expected.0).map(workload_report).collect(),
-        points: Point::all(&reports, &measurements),
+        points: points(&reports, &measurements),
         contenders: reports,
         skipped,
         measurements,

@@ -12,8 +12,6 @@ use std::path::Path;
 
 /// Triangles of `soup` where no number is given.
 const SOUP_TRIANGLES: usize = 10_000;
-/// Views of a scene: its own, filled up with found ones.
-const VIEWS: usize = 3;
 
 /// Loads or makes what the command line names.
 pub fn open(args: &Args) -> Result<Scene> {
@@ -49,10 +47,7 @@ pub fn view(args: &Args, scene: &Scene, tree: &KdTree) -> Result<View> {
         let up = scene.up.unwrap_or_else(|| views::guess_up(&scene.mesh));
         return View::parse(text, up).map_err(anyhow::Error::msg);
     }
-    let mut cameras = scene.cameras.clone();
-    if cameras.len() < VIEWS {
-        cameras.extend(views::find(scene, tree, VIEWS - cameras.len()));
-    }
+    let cameras = views::of_scene(scene, tree, views::VIEWS.max(scene.cameras.len()));
     match args.view.checked_sub(1).and_then(|index| cameras.get(index)) {
         Some(&camera) => Ok(camera.into()),
         None => bail!("--view {}: there are {} views; or use --camera", args.view, cameras.len()),

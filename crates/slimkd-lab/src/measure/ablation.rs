@@ -4,7 +4,7 @@ use super::frames::{Cpu, on_view};
 use super::session::Session;
 use super::shape::shape;
 use super::trees::Trees;
-use crate::ReportError;
+use crate::basics::ReportError;
 use crate::schema::{Ablation, AblationStep, View};
 use slimkd::{BuildOptions, Hoisting, Layout, Preset};
 

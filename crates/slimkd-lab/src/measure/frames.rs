@@ -3,8 +3,8 @@
 use super::session::Session;
 use super::trees::Trees;
 pub use crate::basics::DeviceError;
+use crate::basics::{Progress, ReportError};
 use crate::schema::{Frames, Timed, View};
-use crate::{Progress, ReportError};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use slimkd::{KdTree, Preset};
 use slimkd_render::{Film, RenderError, RenderSettings, render};
@@ -35,12 +35,12 @@ pub trait Device {
 
 /// A scene where it is rendered.
 pub trait Ready {
-    /// One picture and the seconds that it took.
+    /// One picture and the seconds that it took: on a GPU, those of its kernels.
     fn picture(
         &self,
         camera: &Camera,
         settings: &RenderSettings,
-        progress: &Progress,
+        progress: &slimkd::Progress,
     ) -> Result<(Film, f64), DeviceError>;
 }
 
@@ -80,17 +80,17 @@ impl Ready for OnCpu<'_> {
         &self,
         camera: &Camera,
         settings: &RenderSettings,
-        progress: &Progress,
+        progress: &slimkd::Progress,
     ) -> Result<(Film, f64), DeviceError> {
-        let (progress, started) = (progress.rendering(), Instant::now());
+        let started = Instant::now();
         let Self { pool, scene, tree } = self;
-        let film = pool.install(|| render(scene, tree, camera, &scene.lights, settings, &progress))?;
+        let film = pool.install(|| render(scene, tree, camera, &scene.lights, settings, progress))?;
         Ok((film, started.elapsed().as_secs_f64()))
     }
 }
 
 /// The paper's picture: Whitted's rays alone, one sample a pixel.
-pub fn whitted(width: u32, height: u32) -> RenderSettings {
+fn whitted(width: u32, height: u32) -> RenderSettings {
     let mut settings = RenderSettings::sized(width, height);
     settings.samples = 1;
     settings.occlusion = 0;
@@ -99,20 +99,20 @@ pub fn whitted(width: u32, height: u32) -> RenderSettings {
 
 /// What is rendered.
 #[derive(Clone, Copy, Debug)]
-pub struct Frame<'a> {
+pub(super) struct Frame<'a> {
     /// Of what.
-    pub scene: &'a Scene,
+    pub(super) scene: &'a Scene,
     /// Number of the view, for messages.
-    pub view: usize,
+    pub(super) view: usize,
     /// From where.
-    pub camera: Camera,
-    /// How: see [`whitted`].
-    pub settings: &'a RenderSettings,
+    pub(super) camera: Camera,
+    /// Width and height, pixels.
+    pub(super) size: [u32; 2],
 }
 
 /// Seconds of each tree's picture in each round. All trees render once before, and must show the same: on a device that only
 /// comes near to the CPU, what that shows. `done` is called after each picture.
-pub fn frames(
+pub(super) fn frames(
     device: &dyn Device,
     frame: &Frame<'_>,
     trees: &[(&str, &KdTree)],
@@ -120,7 +120,8 @@ pub fn frames(
     progress: &Progress,
     done: &dyn Fn(),
 ) -> Result<Vec<Vec<f64>>, ReportError> {
-    let Frame { scene, view, camera, settings } = *frame;
+    let Frame { scene, view, camera, size: [width, height] } = *frame;
+    let settings = &whitted(width, height);
     let failed = |error| match error {
         DeviceError::Render(RenderError::Cancelled) => ReportError::Cancelled,
         error => ReportError::Render { scene: scene.name.clone(), view, error },
@@ -128,12 +129,12 @@ pub fn frames(
     let ready = trees.iter().map(|(_, tree)| device.ready(scene, tree));
     let ready = ready.collect::<Result<Vec<_>, _>>().map_err(failed)?;
     let picture = |index: usize| {
-        let picture = ready[index].picture(&camera, settings, progress);
+        let picture = ready[index].picture(&camera, settings, &progress.piece());
         done();
         picture.map_err(failed)
     };
     let reference = if device.unlike() > 0.0 {
-        let film = render(scene, trees[0].1, &camera, &scene.lights, settings, &progress.rendering());
+        let film = render(scene, trees[0].1, &camera, &scene.lights, settings, &progress.piece());
         film.map_err(|error| failed(error.into()))?
     } else {
         picture(0)?.0
@@ -169,7 +170,7 @@ pub(super) fn on_view(
     edge: u32,
     device: &dyn Device,
 ) -> Result<Vec<Vec<f64>>, ReportError> {
-    let frame = Frame { scene, view: view.number, camera: view.camera(), settings: &whitted(edge, edge) };
+    let frame = Frame { scene, view: view.number, camera: view.camera(), size: [edge, edge] };
     frames(device, &frame, trees, session.options.rounds, session.progress, &|| ())
 }
 

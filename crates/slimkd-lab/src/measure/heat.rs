@@ -3,7 +3,7 @@
 use super::pictures::{save_png, slug};
 use super::session::Session;
 use super::trees::Trees;
-use crate::ReportError;
+use crate::basics::ReportError;
 use crate::basics::palette::heat_colour;
 use crate::schema::{Heat, HeatPreset, View};
 use glam::{UVec2, Vec3};

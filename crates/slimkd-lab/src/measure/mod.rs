@@ -5,6 +5,7 @@ mod frames;
 mod heat;
 mod pictures;
 pub mod rates;
+pub mod savings;
 mod scaling;
 mod session;
 mod shape;
@@ -12,7 +13,7 @@ mod store;
 mod sweep;
 mod trees;
 
-pub use frames::{Cpu, Device, DeviceError, Frame, Ready, frames, whitted};
+pub use frames::{Cpu, Device, DeviceError, Ready};
 #[cfg(feature = "page")]
 pub(crate) use pictures::slug;
 pub use session::{Session, day};

@@ -4,16 +4,15 @@ use super::heat::pixels;
 use super::session::Session;
 use super::store;
 use super::trees::Trees;
-use crate::ReportError;
+use crate::basics::ReportError;
 use crate::basics::palette::duplication_colour;
 use crate::schema::{Picture, View};
 use glam::Vec3;
-use image::codecs::jpeg::JpegEncoder;
-use image::{ExtendedColorType, ImageFormat};
+use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 use rayon::prelude::*;
 use slimkd::{Preset, Tracer};
 use slimkd_render::{Development, RenderError, RenderSettings, render};
-use std::io::Cursor;
+use slimkd_util::png;
 use std::path::Path;
 
 /// Of a rendered picture: smooth walls show no blocks.
@@ -31,7 +30,7 @@ pub(super) fn measure(
     trees.ensure(Preset::Standard)?;
     let scene = trees.scene;
     let settings = RenderSettings::sized(edge, edge);
-    let progress = session.progress.rendering();
+    let progress = session.progress.piece();
     let tree = trees.get(Preset::Standard);
     let film =
         render(scene, tree, &view.camera(), &scene.lights, &settings, &progress).map_err(
@@ -44,9 +43,13 @@ pub(super) fn measure(
         )?;
     let name = format!("pictures/{}-view-{}.jpg", slug(&scene.name), view.number);
     let mut bytes = Vec::new();
-    JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY)
-        .encode(&film.to_srgb8(&Development::default()), edge, edge, ExtendedColorType::Rgb8)
-        .map_err(|error| ReportError::Picture(error.to_string()))?;
+    let mut encoder = Encoder::new(&mut bytes, JPEG_QUALITY);
+    encoder.set_sampling_factor(SamplingFactor::F_1_1);
+    let rgb = film.to_srgb8(&Development::default());
+    u16::try_from(edge)
+        .map_err(|error| error.to_string())
+        .and_then(|edge| encoder.encode(&rgb, edge, edge, ColorType::Rgb).map_err(|error| error.to_string()))
+        .map_err(ReportError::Picture)?;
     store::write(&session.store.folder().join(&name), &bytes)?;
     let mut out = vec![Picture { view: view.number, kind: "render".to_owned(), tree: None, picture: name }];
     trees.ensure_all(&SHOWN)?;
@@ -77,13 +80,9 @@ pub(super) fn measure(
 }
 
 pub(super) fn save_png(folder: &Path, name: &str, edge: u32, rgb: Vec<u8>) -> Result<(), ReportError> {
-    let mut bytes = Cursor::new(Vec::new());
-    let picture = image::RgbImage::from_raw(edge, edge, rgb)
-        .ok_or_else(|| ReportError::Picture("too few pixels".to_owned()))?;
-    picture
-        .write_to(&mut bytes, ImageFormat::Png)
-        .map_err(|error| ReportError::Picture(error.to_string()))?;
-    store::write(&folder.join(name), &bytes.into_inner())
+    let mut bytes = Vec::new();
+    png::write(&mut bytes, [edge, edge], &rgb).map_err(|error| ReportError::Picture(error.to_string()))?;
+    store::write(&folder.join(name), &bytes)
 }
 
 /// A name that any file system takes.

@@ -2,7 +2,7 @@
 
 use super::session::Session;
 use super::trees::time_builds;
-use crate::ReportError;
+use crate::basics::ReportError;
 use crate::schema::ScalingPoint;
 use slimkd::Preset;
 

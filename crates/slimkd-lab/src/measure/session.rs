@@ -5,21 +5,19 @@ use super::store::Store;
 use super::trees::Trees;
 use super::{ablation, frames, heat, pictures, scaling, sweep, trees};
 use crate::basics::machine::Machine;
+use crate::basics::{Progress, ReportError};
 use crate::schema::published;
 use crate::schema::{Options, Published, Raw, SCHEMA, ScalingPoint, Scene, View};
-use crate::{Progress, ReportError};
 use bytemuck::cast_slice;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use slimkd::Preset;
+use slimkd_render::views;
 use slimkd_scene::Camera;
 use std::cell::Cell;
 use std::path::Path;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use xxhash_rust::xxh3::Xxh3;
-
-/// How many views a scene has, as in the paper.
-pub(crate) const VIEWS: usize = 3;
 
 /// A unit's name, what decides its result, and about how long it takes, in ms for a scene of a million triangles: only
 /// the ratios count, for the time left.
@@ -230,7 +228,7 @@ impl<'a> Session<'a> {
     }
 
     pub(super) fn check(&self) -> Result<(), ReportError> {
-        if self.progress.is_cancelled() { Err(ReportError::Cancelled) } else { Ok(()) }
+        self.progress.check()
     }
 
     fn published(&self, scene: &slimkd_scene::Scene, very_large: bool) -> Option<Published> {
@@ -265,7 +263,7 @@ impl<'a> Session<'a> {
         let views: Vec<View> = self.unit(&unit, || {
             trees.ensure(Preset::Standard)?;
             let (scene, tree) = (trees.scene, trees.get(Preset::Standard));
-            let cameras = slimkd_render::views::of_scene(scene, tree, VIEWS);
+            let cameras = views::of_scene(scene, tree, views::VIEWS);
             Ok(cameras.iter().enumerate().map(|(index, camera)| View::new(index + 1, camera)).collect())
         })?;
         if views.is_empty() { Err(ReportError::NoView(trees.scene.name.clone())) } else { Ok(views) }

@@ -2,7 +2,7 @@
 
 use super::session::Session;
 use super::shape::shape;
-use crate::ReportError;
+use crate::basics::ReportError;
 use crate::schema::{Build, EdgeInterval, Interval, Tree};
 use slimkd::{BuildError, BuildOptions, KdTree, Preset, TreeStatistics, TriangleMesh};
 use slimkd_scene::Scene;
@@ -77,7 +77,7 @@ pub(super) fn build(
     name: &str,
     options: &BuildOptions,
 ) -> Result<KdTree, ReportError> {
-    let progress = session.progress.building();
+    let progress = session.progress.piece();
     KdTree::build_with_progress(Arc::clone(mesh), options, &progress).map_err(|error| match error {
         BuildError::Cancelled => ReportError::Cancelled,
         error => ReportError::Build { scene: scene.to_owned(), tree: name.to_owned(), error },

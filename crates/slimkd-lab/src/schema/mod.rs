@@ -3,12 +3,15 @@
 //! Whatever two runs on one machine differ in is called `seconds`, `seconds_*` or `date`.
 
 pub(crate) mod published;
+mod rates;
 mod sizes;
 
 use crate::basics::machine::Machine;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::collections::BTreeMap;
 
+pub use rates::{FrameRate, Rate, RatesReport};
 pub use sizes::{Bytes, Nodes, References};
 
 /// Version of the keys.
@@ -365,7 +368,7 @@ pub struct PeerScene {
     pub triangles: u64,
 }
 
-/// A library's place in the plane of size and time: what `slimkd-bench --json` calls `points`.
+/// A library's place in the plane of size and time: one of the `points` of `slimkd-bench --json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PeerPoint {
     /// The contender's name.
@@ -379,7 +382,10 @@ pub struct PeerPoint {
     /// Everything that must stay in memory.
     pub bytes_resident: u64,
     /// Million rays a second by workload.
-    pub mrays: std::collections::BTreeMap<String, f64>,
+    pub mrays: BTreeMap<String, f64>,
+    /// Times as fast as slimkd's `standard` by workload.
+    #[serde(default)]
+    pub ratio_to_standard: BTreeMap<String, f64>,
     /// Its hits are not trustworthy.
     pub marked: bool,
 }

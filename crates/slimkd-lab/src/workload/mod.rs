@@ -7,7 +7,7 @@ mod order;
 pub mod view;
 
 use crate::basics::vector::{Vec64, add_scaled, bounds, cross, dot, length, narrow, normalized, sub, wide};
-pub use order::{BLOCK, Order, TILE};
+pub use order::{BLOCK, BLOCK_PIXELS, Order, TILE};
 use slimkd::{Aabb, Ray, TriangleMesh};
 use slimkd_util::Rng;
 use view::View;

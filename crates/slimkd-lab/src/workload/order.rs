@@ -5,6 +5,8 @@
 pub const TILE: usize = 8;
 /// Side of the square blocks of tiles that [`Order::Scattered`] visits one after the other, pixels.
 pub const BLOCK: usize = 32;
+/// Pixels of a block.
+pub const BLOCK_PIXELS: usize = BLOCK * BLOCK;
 
 /// The order of the pixels. Neighbours stay together in tiles of [`TILE`] in both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,20 +15,29 @@ pub enum Order {
     Rows,
     /// Blocks of tiles scattered evenly, taking turns between the views, so that any beginning is a fair sample of the
     /// whole. The picture's size must be a power of two, and at least [`BLOCK`].
-    Scattered,
+    Scattered {
+        /// Pixels of a block that are visited before the next block; the rest comes in later rounds over all blocks. It
+        /// divides [`BLOCK_PIXELS`], which visits each block at once.
+        run: usize,
+    },
 }
 
 impl Order {
     /// Calls `pixel(view, x, y)` for every pixel of every view once.
     pub(super) fn visit(self, size: usize, views: usize, mut pixel: impl FnMut(usize, usize, usize)) {
         match self {
-            Self::Rows => (0..views).for_each(|view| tiles(view, [0, 0], size, size, &mut pixel)),
-            Self::Scattered => {
+            Self::Rows => (0..views).for_each(|view| tiles(view, size, &mut pixel)),
+            Self::Scattered { run } => {
                 assert!(size.is_power_of_two() && size >= BLOCK, "a scattered picture of {size} pixels");
+                assert!(BLOCK_PIXELS.is_multiple_of(run), "runs of {run} pixels");
                 let across = size / BLOCK;
-                for index in 0..across * across * views {
-                    let corner = scattered(index / views, across).map(|place| place * BLOCK);
-                    tiles(index % views, corner, BLOCK, size, &mut pixel);
+                for round in 0..BLOCK_PIXELS / run {
+                    for index in 0..across * across * views {
+                        let [left, top] = scattered(index / views, across).map(|place| place * BLOCK);
+                        for [x, y] in (round * run..(round + 1) * run).map(within_block) {
+                            pixel(index % views, left + x, top + y);
+                        }
+                    }
                 }
             }
         }
@@ -36,27 +47,27 @@ impl Order {
     pub(super) fn view_of(self, index: usize, size: usize, views: usize) -> usize {
         match self {
             Self::Rows => index / (size * size),
-            Self::Scattered => index / (BLOCK * BLOCK) % views,
+            Self::Scattered { run } => index / run % views,
         }
     }
 }
 
-/// The tiles of a square of `edge` pixels from `corner`, cut where the picture ends.
-fn tiles(
-    view: usize,
-    corner: [usize; 2],
-    edge: usize,
-    size: usize,
-    pixel: &mut impl FnMut(usize, usize, usize),
-) {
-    let [end_x, end_y] = corner.map(|start| (start + edge).min(size));
-    for tile_y in (corner[1]..end_y).step_by(TILE) {
-        for tile_x in (corner[0]..end_x).step_by(TILE) {
-            for y in tile_y..(tile_y + TILE).min(end_y) {
-                (tile_x..(tile_x + TILE).min(end_x)).for_each(|x| pixel(view, x, y));
+/// The tiles of a picture, cut where it ends.
+fn tiles(view: usize, size: usize, pixel: &mut impl FnMut(usize, usize, usize)) {
+    for tile_y in (0..size).step_by(TILE) {
+        for tile_x in (0..size).step_by(TILE) {
+            for y in tile_y..(tile_y + TILE).min(size) {
+                (tile_x..(tile_x + TILE).min(size)).for_each(|x| pixel(view, x, y));
             }
         }
     }
+}
+
+/// Column and row of pixel `number` of a block, which go tile by tile.
+fn within_block(number: usize) -> [usize; 2] {
+    let (tile, pixel) = (number / (TILE * TILE), number % (TILE * TILE));
+    let [tile_x, tile_y] = [tile % (BLOCK / TILE), tile / (BLOCK / TILE)];
+    [TILE * tile_x + pixel % TILE, TILE * tile_y + pixel / TILE]
 }
 
 /// Column and row of block number `index` of `across` by `across`, a power of two. Reversed bits scatter evenly, and their
@@ -79,9 +90,13 @@ mod tests {
         all
     }
 
+    /// Block by block.
+    const BLOCKS: Order = Order::Scattered { run: BLOCK_PIXELS };
+
     #[test]
     fn every_pixel_once() {
-        for (order, size) in [(Order::Rows, 21), (Order::Scattered, 32), (Order::Scattered, 256)] {
+        let few = Order::Scattered { run: 4 };
+        for (order, size) in [(Order::Rows, 21), (BLOCKS, 32), (BLOCKS, 256), (few, 64)] {
             let mut all = pixels(order, size, 3);
             all.sort_unstable();
             all.dedup();
@@ -90,13 +105,22 @@ mod tests {
     }
 
     #[test]
+    fn a_block_goes_tile_by_tile() {
+        let mut by_tiles = Vec::new();
+        tiles(0, BLOCK, &mut |_, x, y| by_tiles.push([x, y]));
+        assert_eq!((0..BLOCK_PIXELS).map(within_block).collect::<Vec<_>>(), by_tiles);
+    }
+
+    #[test]
     fn a_beginning_is_a_fair_sample() {
-        let beginning = &pixels(Order::Scattered, 1024, 3)[..3 * 64 * BLOCK * BLOCK];
-        for view in 0..3 {
-            for (right, low) in [(false, false), (false, true), (true, false), (true, true)] {
-                let quarter =
-                    |&&[of, x, y]: &&[usize; 3]| of == view && (x >= 512) == right && (y >= 512) == low;
-                assert_eq!(beginning.iter().filter(quarter).count(), 16 * BLOCK * BLOCK);
+        for run in [1, 16, BLOCK_PIXELS] {
+            let beginning = &pixels(Order::Scattered { run }, 1024, 3)[..3 * 64 * run];
+            for view in 0..3 {
+                for (right, low) in [(false, false), (false, true), (true, false), (true, true)] {
+                    let quarter =
+                        |&&[of, x, y]: &&[usize; 3]| of == view && (x >= 512) == right && (y >= 512) == low;
+                    assert_eq!(beginning.iter().filter(quarter).count(), 16 * run);
+                }
             }
         }
     }

@@ -55,14 +55,13 @@ fn run(browser: &Path, dark: bool, words: &[String]) -> std::process::Output {
 
 /// Mean brightness and the number of colours.
 fn look(picture: &Path, width: u32) -> (f64, usize) {
-    let pixels = image::open(picture).unwrap().to_rgb8();
+    let bytes = std::fs::read(picture).unwrap();
+    let ([across, _], pixels) = slimkd_util::png::read(&bytes, |_| Ok(1 << 30)).unwrap();
     let (mut sum, mut count, mut colours) = (0.0, 0.0, std::collections::HashSet::new());
-    for (x, _, pixel) in pixels.enumerate_pixels() {
-        if x < width {
-            sum += pixel.0.iter().map(|&channel| f64::from(channel)).sum::<f64>() / 3.0;
-            count += 1.0;
-            colours.insert(pixel.0);
-        }
+    for pixel in pixels.chunks(across as usize).flat_map(|row| row.iter().take(width as usize)) {
+        sum += pixel.iter().map(|&channel| f64::from(channel)).sum::<f64>() / 3.0;
+        count += 1.0;
+        colours.insert(pixel);
     }
     (sum / count, colours.len())
 }

@@ -25,8 +25,8 @@ use slimkd_scene::{Camera, Scene};
 const BUILDING: f32 = 0.3;
 /// Places to look around from.
 const STANDPOINTS: usize = 28;
-/// Views that [`of_scene`] looks for at least.
-const MOST_VIEWS: usize = 3;
+/// How many views a scene has, as in the paper; [`of_scene`] looks for at least as many.
+pub const VIEWS: usize = 3;
 /// Headings per standpoint.
 const HEADINGS: u32 = 10;
 /// Vertical field of view indoors, degrees.
@@ -46,7 +46,7 @@ pub fn of_scene(scene: &Scene, tree: &KdTree, count: usize) -> Vec<Camera> {
     let mut cameras: Vec<_> = scene.cameras.iter().copied().take(count).collect();
     if cameras.len() < count {
         // All at once: which views are found may depend on how many are looked for.
-        cameras.extend(find(scene, tree, MOST_VIEWS.max(count)));
+        cameras.extend(find(scene, tree, VIEWS.max(count)));
         cameras.truncate(count);
     }
     cameras

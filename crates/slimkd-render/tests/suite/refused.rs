@@ -2,10 +2,8 @@
 
 use crate::common::*;
 use glam::Vec3;
-use slimkd::TriangleMesh;
-use slimkd_render::{
-    CameraError, RenderError, RenderProgress, RenderSettings, default_lights, render, views,
-};
+use slimkd::{Progress, TriangleMesh};
+use slimkd_render::{CameraError, RenderError, RenderSettings, default_lights, render, views};
 use slimkd_scene::{Attribute, Camera, Light, Material, Scene, Texture};
 
 const CAMERA: Camera = Camera { eye: Vec3::new(0.0, 1.0, 5.0), target: Vec3::ZERO, up: Vec3::Y, fov: 45.0 };
@@ -21,7 +19,7 @@ fn attempt(
     lights: &[Light],
     settings: &RenderSettings,
 ) -> Option<RenderError> {
-    render(scene, &tree(scene), camera, lights, settings, &RenderProgress::new()).err()
+    render(scene, &tree(scene), camera, lights, settings, &Progress::new()).err()
 }
 
 #[test]
@@ -40,7 +38,7 @@ fn broken_scenes() {
     assert!(refused(&Scene { uvs, ..whole.clone() }).contains("coordinate indices"));
 
     let other = tree(&Scene::default());
-    let result = render(&whole, &other, &CAMERA, &[], &small, &RenderProgress::new());
+    let result = render(&whole, &other, &CAMERA, &[], &small, &Progress::new());
     assert!(matches!(result, Err(RenderError::WrongTree { tree: 0, scene: 1 })));
 }
 
@@ -64,7 +62,7 @@ fn odd_but_harmless_scenes() {
     {
         let (normals, uvs, textures) = (normals.clone(), uvs.clone(), vec![texture.clone()]);
         let scene = Scene { materials, normals, uvs, textures, ..triangle() };
-        let film = render(&scene, &tree(&scene), &CAMERA, &[], &small, &RenderProgress::new()).unwrap();
+        let film = render(&scene, &tree(&scene), &CAMERA, &[], &small, &Progress::new()).unwrap();
         assert!(film.pixels().iter().flatten().all(|x| x.is_finite() && *x >= 0.0));
     }
 }

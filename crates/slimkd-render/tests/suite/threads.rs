@@ -1,7 +1,8 @@
 //! The same picture at any thread count; progress and cancelling.
 
 use crate::common::*;
-use slimkd_render::{RenderError, RenderProgress, RenderSettings, render};
+use slimkd::Progress;
+use slimkd_render::{RenderError, RenderSettings, render};
 use std::num::NonZeroUsize;
 
 #[test]
@@ -10,10 +11,11 @@ fn the_same_picture_at_any_thread_count() {
     let run = |threads| {
         let mut settings = RenderSettings::sized(67, 41);
         settings.threads = NonZeroUsize::new(threads);
-        let progress = RenderProgress::new();
+        let progress = Progress::new();
         let film = render(&scene, &tree, &camera, &lights, &settings, &progress).unwrap();
         assert_eq!(progress.fraction(), 1.0);
-        (film, progress.statistics())
+        let rays = film.rays();
+        (film, rays)
     };
     let (film, rays) = run(1);
     assert_eq!(rays.primary, 67 * 41 * 4);
@@ -27,7 +29,7 @@ fn the_same_picture_at_any_thread_count() {
 #[test]
 fn cancelled_is_an_error() {
     let ((scene, tree), camera, lights) = three_balls();
-    let progress = RenderProgress::new();
+    let progress = Progress::new();
     progress.cancel();
     let result = render(&scene, &tree, &camera, &lights, &RenderSettings::sized(64, 64), &progress);
     assert!(matches!(result, Err(RenderError::Cancelled)));
@@ -40,9 +42,8 @@ fn the_recursion_limit_and_the_cut_off_save_rays() {
     let rays = |max_depth, min_contribution| {
         let mut settings = RenderSettings::sized(48, 32);
         (settings.max_depth, settings.min_contribution) = (max_depth, min_contribution);
-        let progress = RenderProgress::new();
-        render(&scene, &tree, &camera, &lights, &settings, &progress).unwrap();
-        progress.statistics().reflection + progress.statistics().refraction
+        let film = render(&scene, &tree, &camera, &lights, &settings, &Progress::new()).unwrap();
+        film.rays().reflection + film.rays().refraction
     };
     assert_eq!(rays(0, 0.0), 0);
     assert!(rays(1, 0.0) < rays(5, 0.0));

@@ -3,7 +3,7 @@
 use crate::common::*;
 use glam::Vec3;
 use slimkd::{BuildOptions, KdTree, Ray, Tracer, TriangleMesh};
-use slimkd_render::{RenderProgress, RenderSettings, render, views};
+use slimkd_render::{RenderSettings, render, views};
 use slimkd_scene::{Camera, Scene, load, procedural};
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ fn within(tree: &KdTree, point: Vec3) -> bool {
 
 /// Share of a coarse picture in which something is seen.
 fn coverage(scene: &Scene, tree: &KdTree, camera: &Camera) -> f64 {
-    render(scene, tree, camera, &[], &RenderSettings::sized(8, 8), &RenderProgress::new()).unwrap();
+    render(scene, tree, camera, &[], &RenderSettings::sized(8, 8), &slimkd::Progress::new()).unwrap();
     let forward = (camera.target - camera.eye).normalize();
     let right = forward.cross(camera.up).normalize();
     let slope = (camera.fov.to_radians() / 2.0).tan();

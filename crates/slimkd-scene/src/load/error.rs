@@ -41,14 +41,16 @@ pub enum LoadError {
         source: io::Error,
     },
     /// A directory, a pipe or a device: give a regular file.
-    #[error("{path:?} is not a regular file; give a .ply, .obj, .stl, .off, .gltf, .glb, .asc or .npy file")]
+    #[error(
+        "{path:?} is not a regular file; give a .ply, .obj, .stl, .off, .gltf, .glb, .xml, .serialized, .json, .jsonl, .asc or .npy file"
+    )]
     NotAFile {
         /// What was given.
         path: PathBuf,
     },
     /// The name's ending is none that is known: rename or convert the file.
     #[error(
-        "{path:?} has no known extension; use .ply, .obj, .stl, .off, .gltf, .glb, .asc or .npy, with .zst or .gz behind it when compressed"
+        "{path:?} has no known extension; use .ply, .obj, .stl, .off, .gltf, .glb, .xml, .serialized, .json, .jsonl, .asc or .npy, with .zst or .gz behind it when compressed"
     )]
     UnknownFormat {
         /// The file.
@@ -109,7 +111,7 @@ pub enum LoadError {
     /// More vertices or triangles than 32-bit ids can name: split the scene.
     #[error(transparent)]
     Mesh(#[from] slimkd::MeshError),
-    /// [`super::LoadProgress::cancel`] was called.
+    /// [`slimkd::Progress::cancel`] was called.
     #[error("loading was cancelled; run it again")]
     Cancelled,
 }
@@ -123,4 +125,15 @@ pub(super) fn quoted(text: &[u8]) -> String {
         short.push('…');
     }
     format!("{short:?}")
+}
+
+/// What another crate says, for a message: one line, not too long whatever the file has in it.
+pub(super) fn short(what: &dyn fmt::Display) -> String {
+    const LONGEST: usize = 200;
+    let line = what.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+    let mut short: String = line.chars().take(LONGEST).collect();
+    if short.len() < line.len() {
+        short.push('…');
+    }
+    short
 }

@@ -4,7 +4,7 @@
 //! north, z is the height. A square of four heights is two triangles, in the order of the rows; where a height is missing
 //! there is none. An array of NumPy has cells of size 1, its south-western vertex at the origin, and misses what is not finite.
 
-use super::{Format, LoadError, LoadProgress, Place, error::quoted, text};
+use super::{Format, LoadError, Loading, Place, Progress, error::quoted, text};
 use crate::{Scene, UpAxis, Warning, WarningKind};
 use slimkd::TriangleMesh;
 use std::sync::Arc;
@@ -27,7 +27,7 @@ struct Grid {
 }
 
 /// ESRI's text format: a header of names and numbers, then the rows.
-pub(super) fn parse_ascii(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, LoadError> {
+pub(super) fn parse_ascii(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
     let wrong = |line, what: String, fix| invalid(Format::AsciiGrid, Place::Line(line), what, fix);
     let (mut rows, mut columns) = (None, None);
     let (mut corner, mut is_centre, mut cell) = ([0.0f64; 2], [false; 2], [None::<f64>; 2]);
@@ -118,7 +118,7 @@ pub(super) fn parse_ascii(bytes: &[u8], progress: &LoadProgress) -> Result<Scene
 }
 
 /// NumPy's format, versions 1 to 3 (NumPy Enhancement Proposal 1).
-pub(super) fn parse_npy(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, LoadError> {
+pub(super) fn parse_npy(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
     let wrong = |at: usize, what: &str, fix| invalid(Format::Npy, Place::Byte(at as u64), what, fix);
     let damaged = "the file is damaged or no array of NumPy";
     let (Some(b"\x93NUMPY"), Some(&version)) = (bytes.get(..6), bytes.get(6)) else {
@@ -192,7 +192,7 @@ pub(super) fn parse_npy(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, 
     scene(&Grid { rows, columns, origin: [0.0; 2], cell: [1.0; 2] }, &values, &missing, progress)
 }
 
-fn scene(grid: &Grid, values: &[f64], missing: &[bool], progress: &LoadProgress) -> Result<Scene, LoadError> {
+fn scene(grid: &Grid, values: &[f64], missing: &[bool], progress: &Progress) -> Result<Scene, LoadError> {
     let &Grid { rows, columns, origin, cell } = grid;
     if values.len() as u64 > u64::from(u32::MAX) {
         // Refused before triangles are made of them.

@@ -1,13 +1,16 @@
-//! Scene files: PLY, OBJ with MTL, STL, OFF, glTF, GLB and grids of heights, each also compressed by zstd or gzip.
+//! Scene files: PLY, OBJ with MTL, STL, OFF, glTF, GLB, Mitsuba's XML and serialized meshes, CityJSON, and grids of heights, each
+//! also compressed by zstd or gzip.
 //!
 //! A file is read (and decompressed) into one buffer, then parsed in place. Whatever the bytes are, the answer is a
 //! scene or a [`LoadError`]: counts are checked against the bytes that are left before anything is allocated, and
 //! content that is out of proportion to its file is refused. Triangle ids are face order; a polygon of k corners is
 //! k − 2 consecutive triangles (a fan where it is convex), and degenerate triangles keep their ids.
 
+mod cityjson;
 mod error;
 mod gltf;
 mod grid;
+mod mitsuba;
 mod obj;
 mod off;
 mod options;
@@ -22,10 +25,11 @@ mod weld;
 
 pub use error::{LoadError, Place};
 pub use options::LoadOptions;
-pub use progress::LoadProgress;
 pub use source::Compression;
 
 use crate::{Material, Scene, warning::warn};
+use progress::Loading;
+use slimkd::Progress;
 use source::Folder;
 use std::{fmt, path::Path};
 
@@ -48,6 +52,14 @@ pub enum Format {
     AsciiGrid,
     /// A NumPy array of heights, by rows and columns.
     Npy,
+    /// A scene of Mitsuba, as XML.
+    Mitsuba,
+    /// Mitsuba's compressed meshes.
+    Serialized,
+    /// A city model as JSON.
+    CityJson,
+    /// A city model as a sequence of JSON texts, one a line.
+    CityJsonSeq,
 }
 
 impl fmt::Display for Format {
@@ -61,6 +73,10 @@ impl fmt::Display for Format {
             Self::Off => "OFF",
             Self::AsciiGrid => "ESRI ASCII grid",
             Self::Npy => "NumPy array",
+            Self::Mitsuba => "Mitsuba XML",
+            Self::Serialized => "Mitsuba serialized",
+            Self::CityJson => "CityJSON",
+            Self::CityJsonSeq => "CityJSONSeq",
         })
     }
 }
@@ -102,6 +118,10 @@ impl FileKind {
             "off" => Format::Off,
             "asc" => Format::AsciiGrid,
             "npy" => Format::Npy,
+            "xml" => Format::Mitsuba,
+            "serialized" => Format::Serialized,
+            "json" => Format::CityJson,
+            "jsonl" => Format::CityJsonSeq,
             _ => return None,
         };
         Some(Self { format, compression })
@@ -122,20 +142,21 @@ impl From<Format> for FileKind {
 /// # Ok::<(), slimkd_scene::LoadError>(())
 /// ```
 pub fn load(path: impl AsRef<Path>) -> Result<Scene, LoadError> {
-    load_with(path, &LoadOptions::new(), &LoadProgress::new())
+    load_with(path, &LoadOptions::new(), &Progress::new())
 }
 
 /// Loads a scene file as [`load`] does, with choices of the caller, and reports to `progress`, which can also cancel it.
 ///
 /// ```no_run
-/// use slimkd_scene::{LoadOptions, LoadProgress, load_with};
-/// let second = load_with("model.glb", &LoadOptions::new().scene_index(1), &LoadProgress::new())?;
+/// use slimkd::Progress;
+/// use slimkd_scene::{LoadOptions, load_with};
+/// let second = load_with("model.glb", &LoadOptions::new().scene_index(1), &Progress::new())?;
 /// # Ok::<(), slimkd_scene::LoadError>(())
 /// ```
 pub fn load_with(
     path: impl AsRef<Path>,
     options: &LoadOptions,
-    progress: &LoadProgress,
+    progress: &Progress,
 ) -> Result<Scene, LoadError> {
     let path = path.as_ref();
     progress.reach(0.0)?;
@@ -154,7 +175,11 @@ pub fn load_with(
     } else {
         stem.and_then(|s| s.file_stem()).map(Path::new)
     };
-    scene.name = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let name = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    // City models end in `.city.json`.
+    let is_city = matches!(kind.format, Format::CityJson | Format::CityJsonSeq);
+    let bare = name.strip_suffix(".city").filter(|bare| is_city && !bare.is_empty());
+    scene.name = bare.map_or_else(|| name.clone(), str::to_owned);
     Ok(scene)
 }
 
@@ -177,7 +202,7 @@ pub fn load_bytes_with(
     bytes: &[u8],
     options: &LoadOptions,
 ) -> Result<Scene, LoadError> {
-    let (kind, progress) = (kind.into(), LoadProgress::new());
+    let (kind, progress) = (kind.into(), Progress::new());
     match kind.compression {
         Compression::None => parse(kind.format, bytes, Folder::NONE, options, &progress),
         compression => parse(
@@ -195,7 +220,7 @@ fn parse(
     bytes: &[u8],
     folder: Folder<'_>,
     options: &LoadOptions,
-    progress: &LoadProgress,
+    progress: &Progress,
 ) -> Result<Scene, LoadError> {
     if bytes.is_empty() {
         return Err(LoadError::Empty);
@@ -219,6 +244,10 @@ fn parse(
         Format::Off => off::parse(bytes, progress),
         Format::AsciiGrid => grid::parse_ascii(bytes, progress),
         Format::Npy => grid::parse_npy(bytes, progress),
+        Format::Mitsuba => mitsuba::parse(bytes, folder, progress),
+        Format::Serialized => mitsuba::serialized::parse(bytes, progress),
+        Format::CityJson => cityjson::parse(bytes, progress),
+        Format::CityJsonSeq => cityjson::parse_sequence(bytes, progress),
         Format::Gltf | Format::Glb => gltf::parse(format, bytes, folder, options.scene_index, progress),
     }?;
     if scene.materials.is_empty() {

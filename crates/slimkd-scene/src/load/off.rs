@@ -4,7 +4,7 @@
 //! is an index into a table is passed over, since the table is not in the file.
 
 use super::{
-    Format, LoadError, LoadProgress, Place,
+    Format, LoadError, Loading, Place, Progress,
     error::quoted,
     polygon::Polygons,
     text::{self, Lines},
@@ -38,7 +38,7 @@ impl<'a> Content<'a> {
     }
 }
 
-pub(super) fn parse(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, LoadError> {
+pub(super) fn parse(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
     let mut lines = Content(Lines::new(bytes), 0);
     let (mut number, mut line) = lines.next()?;
     let (mut has_normals, mut has_colours, mut has_uvs) = (false, false, false);

@@ -12,7 +12,7 @@ pub struct LoadOptions {
     /// Which of a glTF file's scenes is loaded, from 0; `None`: the one that the file names as its default. Formats with
     /// one scene have only scene 0.
     pub scene_index: Option<usize>,
-    /// Whether files that a scene names (materials, textures, buffers) may lie outside the scene file's folder.
+    /// Whether files that a scene names (materials, textures, buffers, shapes) may lie outside the scene file's folder.
     pub allow_outside: bool,
 }
 

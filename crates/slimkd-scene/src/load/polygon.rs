@@ -5,7 +5,7 @@
 //! normal is longest is left out, which needs no rounding. `earcut` leaves out corners that lie on a straight line; here
 //! they are put back, by splitting the triangle at that edge, so that neighbours meet at common vertices.
 
-use super::{LoadError, LoadProgress};
+use super::{LoadError, Loading, Progress};
 use crate::{Warning, WarningKind, warning::warn};
 use rayon::prelude::*;
 
@@ -26,38 +26,47 @@ pub(super) struct Triangulation {
 }
 
 /// Triangulates a polygon: the outer ring first, then its holes, each without its first corner repeated.
-#[allow(dead_code)] // CityJSON has holes; PLY, OBJ, OFF and STL come through `Polygons`
 pub(super) fn triangulate(rings: &[Vec<[f64; 3]>]) -> Triangulation {
     let Some((outer, holes)) = rings.split_first() else { return Triangulation::default() };
     if holes.is_empty() {
         return of_ring(outer).unwrap_or_else(|| fan(outer.len()));
     }
-    let Some(plane) = Plane::of(outer) else { return fan(outer.len()) };
-    let corners: Vec<[f64; 2]> = rings.iter().flatten().map(|&corner| plane.project(corner)).collect();
+    let corners: usize = rings.iter().map(Vec::len).sum();
+    let wanted = (corners + 2 * holes.len()).saturating_sub(2);
+    let mut found = with_holes(outer, holes)
+        .unwrap_or_else(|| Triangulation { is_doubtful: corners > MOST_CORNERS, ..fan(outer.len()) });
+    found.is_doubtful |= found.triangles.len() > wanted;
+    found.triangles.resize(wanted.max(found.triangles.len()), [0; 3]);
+    found
+}
+
+/// `None` for what has no area, or is not finite, or too large.
+fn with_holes(outer: &[[f64; 3]], holes: &[Vec<[f64; 3]>]) -> Option<Triangulation> {
+    let plane = Plane::of(outer)?;
+    let rings = || std::iter::once(outer).chain(holes.iter().map(Vec::as_slice));
+    let corners: Vec<[f64; 2]> = rings().flatten().map(|&corner| plane.project(corner)).collect();
     if corners.len() > MOST_CORNERS || corners.iter().flatten().any(|x| !x.is_finite()) {
-        return Triangulation { is_doubtful: true, ..fan(outer.len()) };
+        return None;
     }
-    let mut starts = Vec::with_capacity(holes.len());
-    let mut start = outer.len() as u32;
-    for hole in holes {
-        starts.push(start);
-        start += hole.len() as u32;
+    let mut ends = Vec::with_capacity(holes.len() + 1);
+    let mut end = 0;
+    for ring in rings() {
+        end += ring.len() as u32;
+        ends.push(end);
     }
-    let mut triangles = Vec::new();
-    earcut::Earcut::new().earcut(corners.iter().copied(), &starts, &mut triangles);
-    let mut triangles = triangles.as_chunks::<3>().0.to_vec();
+    let mut flat = Vec::new();
+    earcut::Earcut::new().earcut(corners.iter().copied(), &ends[..holes.len()], &mut flat);
+    let mut triangles = flat.as_chunks::<3>().0.to_vec();
     let sum = turn_the_right_way(&corners, &mut triangles);
-    let mut area = ring_area(&corners[..outer.len()]).abs();
-    for (k, &start) in starts.iter().enumerate() {
-        let end = starts.get(k + 1).map_or(corners.len(), |&end| end as usize);
-        area -= ring_area(&corners[start as usize..end]).abs();
+    let mut area = 0.0;
+    for (k, &end) in ends.iter().enumerate() {
+        let start = if k == 0 { 0 } else { ends[k - 1] };
+        let ring = ring_area(&corners[start as usize..end as usize]).abs();
+        area += if k == 0 { ring } else { -ring };
     }
-    let wanted = (corners.len() + 2 * holes.len()).saturating_sub(2);
-    let is_doubtful = (sum - area).abs() > SURPLUS * sum || triangles.len() > wanted;
-    while triangles.len() < wanted {
-        triangles.push([0; 3]);
-    }
-    Triangulation { triangles, is_doubtful }
+    let is_doubtful = (sum - area).abs() > SURPLUS * sum;
+    put_back(&ends, &mut triangles);
+    Some(Triangulation { triangles, is_doubtful })
 }
 
 fn fan(corners: usize) -> Triangulation {
@@ -203,7 +212,8 @@ fn clip(corners: &[[f64; 2]]) -> Triangulation {
     let mut triangles = flat.as_chunks::<3>().0.to_vec();
     let sum = turn_the_right_way(corners, &mut triangles);
     let is_doubtful = (sum - ring_area(corners).abs()).abs() > SURPLUS * sum;
-    put_back(k as u32, &mut triangles);
+    put_back(&[k as u32], &mut triangles);
+    triangles.resize(triangles.len().max(k - 2), [0; 3]);
     if triangles.len() != k - 2 {
         return Triangulation { is_doubtful: true, ..fan(k) };
     }
@@ -211,21 +221,15 @@ fn clip(corners: &[[f64; 2]]) -> Triangulation {
 }
 
 /// Puts the corners back that no triangle uses: each splits the triangle at the edge on which it lies. What finds no
-/// such edge becomes a triangle without area.
-fn put_back(k: u32, triangles: &mut Vec<[u32; 3]>) {
-    let mut is_used = vec![false; k as usize];
+/// such edge becomes a triangle without area. `ends` are those of the rings, the outer one first.
+fn put_back(ends: &[u32], triangles: &mut Vec<[u32; 3]>) {
+    let count = ends.last().copied().unwrap_or(0) as usize;
+    let mut is_used = vec![false; count];
     for &corner in triangles.iter().flatten() {
         is_used[corner as usize] = true;
     }
-    let Some(first) = is_used.iter().position(|&used| used) else {
-        triangles.extend((2..k).map(|i| [0, i - 1, i]));
-        return;
-    };
     let missing = is_used.iter().filter(|&&used| !used).count();
     if missing == 0 {
-        while triangles.len() + 2 < k as usize {
-            triangles.push([0; 3]);
-        }
         return;
     }
     // The triangle that has each directed edge, by its first corner and its second one.
@@ -235,37 +239,59 @@ fn put_back(k: u32, triangles: &mut Vec<[u32; 3]>) {
             edges.insert((triangle[e], triangle[(e + 1) % 3]), id);
         }
     }
-    let mut before = first as u32;
+    let mut start = 0;
+    for (ring, &end) in ends.iter().enumerate() {
+        let k = end - start;
+        match (start..end).find(|&corner| is_used[corner as usize]) {
+            Some(first) => put_back_in(start, k, first, &mut is_used, &mut edges, triangles),
+            None if ring == 0 => triangles.extend((2..k).map(|i| [0, i - 1, i])),
+            // A hole that nothing is cut out for.
+            None => {}
+        }
+        start = end;
+    }
+}
+
+/// The same for the ring of `k` corners from `start` on, whose corner `first` is in use.
+fn put_back_in(
+    start: u32,
+    k: u32,
+    first: u32,
+    is_used: &mut [bool],
+    edges: &mut std::collections::HashMap<(u32, u32), usize>,
+    triangles: &mut Vec<[u32; 3]>,
+) {
+    let at = |i: u32| start + (first - start + i) % k;
+    let mut before = first;
     // The next corner in use, found once for a whole row of missing ones.
-    let mut after = before;
+    let mut next = None;
     for step in 1..k {
-        let corner = (first as u32 + step) % k;
+        let corner = at(step);
         if is_used[corner as usize] {
-            before = corner;
+            (before, next) = (corner, None);
             continue;
         }
-        if after == before {
-            after = (1..=k).map(|i| (corner + i) % k).find(|&c| is_used[c as usize]).unwrap_or(before);
-        }
+        let behind = || (1..=k).map(|i| at(step + i)).find(|&c| is_used[c as usize]).unwrap_or(first);
+        let after = *next.get_or_insert_with(behind);
         let new = triangles.len();
-        match edges.remove(&(before, after)) {
+        // A hole may turn either way.
+        let forward = edges.remove(&(before, after));
+        match forward.or_else(|| edges.remove(&(after, before))) {
             Some(id) => {
                 let third = triangles[id].into_iter().find(|&c| c != before && c != after).unwrap_or(before);
-                triangles[id] = [before, corner, third];
-                triangles.push([corner, after, third]);
-                edges.insert((before, corner), id);
-                edges.insert((corner, third), id);
-                edges.insert((corner, after), new);
-                edges.insert((after, third), new);
-                edges.insert((third, corner), new);
+                let (a, b) = if forward.is_some() { (before, after) } else { (after, before) };
+                triangles[id] = [a, corner, third];
+                triangles.push([corner, b, third]);
+                for (id, triangle) in [(id, [a, corner, third]), (new, [corner, b, third])] {
+                    for e in 0..3 {
+                        edges.insert((triangle[e], triangle[(e + 1) % 3]), id);
+                    }
+                }
             }
             None => triangles.push([before, corner, after]),
         }
         is_used[corner as usize] = true;
         before = corner;
-    }
-    while triangles.len() + 2 < k as usize {
-        triangles.push([0; 3]);
     }
 }
 
@@ -306,7 +332,7 @@ impl Polygons {
         triangles: &mut [[u32; 3]],
         others: &mut [&mut [[u32; 3]]],
         warnings: &mut Vec<Warning>,
-        progress: &LoadProgress,
+        progress: &Progress,
     ) -> Result<(), LoadError> {
         let fans: &[[u32; 3]] = triangles;
         let look = |run: &Run, polygon: usize| {
@@ -419,6 +445,40 @@ mod tests {
     }
 
     #[test]
+    fn straight_corners_apart_from_each_other_are_put_back_in_their_own_places() {
+        // A comb with a corner in the middle of every edge.
+        let comb = [
+            [0.0, 0.0],
+            [12.0, 0.0],
+            [12.0, 8.0],
+            [8.0, 8.0],
+            [8.0, 4.0],
+            [4.0, 4.0],
+            [4.0, 8.0],
+            [0.0, 8.0],
+        ];
+        for start in 0..8 {
+            for turned in [false, true] {
+                let at = |k: usize| comb[(start + k) % 8];
+                let mut corners: Vec<[f64; 2]> = (0..8)
+                    .flat_map(|k| {
+                        let (a, b) = (at(k), at(k + 1));
+                        [a, [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]]
+                    })
+                    .collect();
+                if turned {
+                    corners.reverse();
+                }
+                let found = triangulate(&[ring(&corners)]);
+                assert_eq!((found.triangles.len(), area(&corners, &found)), (14, 80.0), "{found:?}");
+                let at = |k: u32| corners[k as usize];
+                let flat = |&&[a, b, c]: &&[u32; 3]| cross(at(a), at(b), at(c)) == 0.0;
+                assert_eq!(found.triangles.iter().filter(flat).count(), 0, "{found:?}");
+            }
+        }
+    }
+
+    #[test]
     fn a_corner_on_an_edge_belongs_to_a_triangle_with_area() {
         let corners = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
         let found = triangulate(&[ring(&corners)]);
@@ -445,6 +505,28 @@ mod tests {
             [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0], [1.0, 1.0], [2.0, 1.0], [2.0, 2.0], [1.0, 2.0]];
         assert_eq!((found.triangles.len(), area(&corners, &found)), (8, 15.0));
         assert!(!found.is_doubtful);
+    }
+
+    #[test]
+    fn corners_on_the_edges_of_holes_are_kept() {
+        let outer = [[0.0, 0.0], [2.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
+        let hole = [[1.0, 1.0], [1.0, 1.5], [1.0, 2.0], [2.0, 2.0], [2.0, 1.0]];
+        for turned in [false, true] {
+            let mut hole = hole;
+            if turned {
+                hole.reverse();
+            }
+            let found = triangulate(&[ring(&outer), ring(&hole)]);
+            let corners = [outer, hole].concat();
+            assert_eq!((found.triangles.len(), area(&corners, &found)), (10, 15.0));
+            for corner in 0..10 {
+                let has = |t: &&[u32; 3]| {
+                    t.contains(&corner)
+                        && cross(corners[t[0] as usize], corners[t[1] as usize], corners[t[2] as usize]) > 0.0
+                };
+                assert!(found.triangles.iter().any(|t| has(&t)), "{corner}: {found:?}");
+            }
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Bytes of files: read whole, decompressed under a cap, and the files that a scene names beside its own.
 
-use super::{LoadError, LoadProgress, progress::READ_SHARE};
+use super::{LoadError, Loading, Progress, progress::READ_SHARE};
 use std::{
     ffi::OsStr,
     fs::File,
@@ -47,11 +47,7 @@ fn open(path: &Path) -> Result<(File, u64), LoadError> {
 }
 
 /// The whole content of a file, decompressed.
-pub(super) fn read(
-    path: &Path,
-    compression: Compression,
-    progress: &LoadProgress,
-) -> Result<Vec<u8>, LoadError> {
+pub(super) fn read(path: &Path, compression: Compression, progress: &Progress) -> Result<Vec<u8>, LoadError> {
     let (mut file, length) = open(path)?;
     let mut bytes = Vec::new();
     bytes
@@ -78,7 +74,7 @@ pub(super) fn read(
 pub(super) fn decompress(
     compression: Compression,
     bytes: &[u8],
-    progress: &LoadProgress,
+    progress: &Progress,
 ) -> Result<Vec<u8>, LoadError> {
     if bytes.is_empty() {
         return Err(LoadError::Empty);
@@ -107,7 +103,7 @@ pub(super) fn decompress(
 /// The input of a decoder, which counts what was taken from it.
 struct Counted<'a> {
     rest: &'a [u8],
-    progress: &'a LoadProgress,
+    progress: &'a Progress,
     total: usize,
 }
 
@@ -134,7 +130,7 @@ fn inflate<'a, R: Read>(
     decoder: impl FnOnce(Counted<'a>) -> io::Result<R>,
     hint: u64,
     limit: u64,
-    progress: &'a LoadProgress,
+    progress: &'a Progress,
 ) -> Result<Vec<u8>, LoadError> {
     let bomb = || LoadError::OutOfProportion {
         what: "the decompressed content",

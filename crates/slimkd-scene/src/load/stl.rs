@@ -1,7 +1,9 @@
 //! STL, text and binary. It has no indices: equal positions are welded. The facets' normals say nothing that the
 //! corners do not, and are ignored.
 
-use super::{Format, LoadError, LoadProgress, Place, error::quoted, polygon::Polygons, text, weld::Weld};
+use super::{
+    Format, LoadError, Loading, Place, Progress, error::quoted, polygon::Polygons, text, weld::Weld,
+};
 use crate::{Scene, Warning, WarningKind};
 use slimkd::TriangleMesh;
 use std::sync::Arc;
@@ -17,7 +19,7 @@ fn invalid(place: Place, what: impl Into<String>, fix: &'static str) -> LoadErro
     LoadError::Invalid { format: Format::Stl, place, what: what.into(), fix }
 }
 
-pub(super) fn parse(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, LoadError> {
+pub(super) fn parse(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
     let mut announced =
         bytes.get(80..HEAD).map(|raw| u32::from_le_bytes([raw[0], raw[1], raw[2], raw[3]]) as usize);
     let mut warnings = Vec::new();
@@ -46,7 +48,8 @@ pub(super) fn parse(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, Load
         let what = format!("{announced} triangles need {size} bytes, but there are {}", bytes.len());
         return Err(invalid(Place::Byte(80), what, "the file was cut off or is no STL"));
     }
-    let mut weld = Weld::new();
+    // Closed meshes have half as many vertices as triangles.
+    let mut weld = Weld::with_capacity(announced / 2);
     let mut triangles = Vec::with_capacity(announced);
     for (k, triangle) in bytes[HEAD..size as usize].as_chunks::<TRIANGLE>().0.iter().enumerate() {
         if k.is_multiple_of(BLOCK) {
@@ -131,8 +134,8 @@ impl<'a> Iterator for Words<'a> {
     }
 }
 
-fn parse_text(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, LoadError> {
-    let mut weld = Weld::new();
+fn parse_text(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
+    let mut weld = Weld::with_capacity(0);
     let mut triangles = Vec::new();
     let mut polygons = Polygons::default();
     let mut corners = Vec::new();

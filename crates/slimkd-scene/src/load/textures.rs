@@ -2,8 +2,12 @@
 
 use super::source::{Folder, MAX_GROWTH};
 use crate::{Texture, Warning, WarningKind};
-use image::{ImageReader, Limits};
-use std::{collections::HashMap, io::Cursor};
+use slimkd_util::png;
+use std::collections::HashMap;
+use zune_core::bytestream::ZCursor;
+use zune_core::colorspace::ColorSpace;
+use zune_core::options::DecoderOptions;
+use zune_jpeg::JpegDecoder;
 
 /// Texels of all textures together that are never out of proportion, bytes: four of 2048 × 2048.
 const FREE_BYTES: u64 = 192 << 20;
@@ -62,29 +66,55 @@ fn one_line(text: &str) -> String {
 
 /// Decodes an image into texels that fit into `left` bytes, which it lessens.
 fn decode(bytes: &[u8], left: &mut u64) -> Result<Texture, String> {
-    let reader =
-        || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string());
-    let (width, height) = reader()?.into_dimensions().map_err(|error| error.to_string())?;
-    let needed = u64::from(width).saturating_mul(u64::from(height)).saturating_mul(TEXEL);
-    let rest = left.checked_sub(needed).ok_or_else(|| {
-        format!(
-            "{width} × {height} texels out of {} bytes are out of proportion; make it smaller",
-            bytes.len()
-        )
-    })?;
-    let mut reader = reader()?;
-    let mut limits = Limits::default();
-    // The decoder holds at most 8 bytes a texel (RGBA of 16 bits) and its own buffers.
-    limits.max_alloc = Some(needed + (64 << 20));
-    reader.limits(limits);
-    let image = reader.decode().map_err(|error| error.to_string())?.into_rgb8();
+    let mut rest = *left;
+    let allow = |[width, height]: [u32; 2]| {
+        let needed = u64::from(width).saturating_mul(u64::from(height)).saturating_mul(TEXEL);
+        rest = rest.checked_sub(needed).ok_or_else(|| {
+            format!(
+                "{width} × {height} texels out of {} bytes are out of proportion; make it smaller",
+                bytes.len()
+            )
+        })?;
+        // The decoder holds at most 8 bytes a texel (RGBA of 16 bits) and its own buffers.
+        Ok(needed + (64 << 20))
+    };
+    let ([width, height], pixels) = match bytes {
+        bytes if png::is_png(bytes) => png::read(bytes, allow)?,
+        [0xff, 0xd8, 0xff, ..] => read_jpeg(bytes, allow)?,
+        _ => return Err("neither a PNG nor a JPEG; convert it".to_owned()),
+    };
     let linear: Vec<f32> = (0..=255u8).map(|value| linear(f32::from(value) / 255.0)).collect();
-    let texels = image.pixels().map(|pixel| pixel.0.map(|value| linear[usize::from(value)])).collect();
+    let texels = pixels.into_iter().map(|pixel| pixel.map(|value| linear[usize::from(value)])).collect();
     *left = rest;
-    Ok(Texture { width: image.width(), height: image.height(), texels })
+    Ok(Texture { width, height, texels })
+}
+
+/// Like [`png::read`].
+fn read_jpeg(
+    bytes: &[u8],
+    allow: impl FnOnce([u32; 2]) -> Result<u64, String>,
+) -> Result<png::Pixels, String> {
+    let options = DecoderOptions::default().set_strict_mode(false);
+    let options = options.set_max_width(usize::MAX).set_max_height(usize::MAX);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+    decoder.decode_headers().map_err(|error| error.to_string())?;
+    let (width, height) = decoder.dimensions().ok_or("the JPEG has no size")?;
+    allow([width as u32, height as u32])?;
+    let is_grey = decoder.input_colorspace() == Some(ColorSpace::Luma);
+    let space = if is_grey { ColorSpace::Luma } else { ColorSpace::RGB };
+    decoder.set_options(decoder.options().jpeg_set_out_colorspace(space));
+    let data = decoder.decode().map_err(|error| error.to_string())?;
+    let pixels: Vec<[u8; 3]> = match is_grey {
+        true => data.into_iter().map(|value| [value; 3]).collect(),
+        false => data.as_chunks().0.to_vec(),
+    };
+    if pixels.len() != width * height {
+        return Err("the JPEG is cut off; write it again".to_owned());
+    }
+    Ok(([width as u32, height as u32], pixels))
 }
 
 /// sRGB (IEC 61966-2-1) to linear.
-fn linear(value: f32) -> f32 {
+pub(super) fn linear(value: f32) -> f32 {
     if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }

@@ -15,11 +15,12 @@ pub(super) struct Weld {
 const FREE: u32 = u32::MAX;
 
 impl Weld {
-    pub(super) fn new() -> Self {
+    /// With room for about so many vertices.
+    pub(super) fn with_capacity(vertices: usize) -> Self {
         let random = RandomState::new();
         Self {
-            vertices: Vec::new(),
-            table: vec![FREE; 64],
+            vertices: Vec::with_capacity(vertices),
+            table: vec![FREE; (2 * vertices).next_power_of_two().max(64)],
             keys: std::array::from_fn(|k| random.hash_one(k)),
         }
     }

@@ -43,35 +43,28 @@ pub(crate) fn around(angle: f32) -> Vec3 {
     Vec3::new(c, 0.0, s)
 }
 
-/// SplitMix64 (Steele, Lea & Flood, *Fast Splittable Pseudorandom Number Generators*, OOPSLA 2014).
+/// The workspace's generator, with what scenes are made of.
 #[derive(Clone, Debug)]
-pub(crate) struct Rng(u64);
+pub(crate) struct Rng(slimkd_util::Rng);
 
 impl Rng {
     pub(crate) fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
+        Self(slimkd_util::Rng::new(seed))
     }
 
     /// A generator of its own, for one object: what the object draws does not disturb its neighbours.
     pub(crate) fn fork(&mut self) -> Self {
-        Self(self.next())
+        Self(self.0.fork())
     }
 
     /// Uniform in [0, 1).
     pub(crate) fn unit(&mut self) -> f32 {
-        (self.next() >> 40) as f32 / (1u64 << 24) as f32
+        self.0.unit()
     }
 
     /// Uniform in [low, high).
     pub(crate) fn range(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * self.unit()
+        self.0.between(low, high)
     }
 
     /// Uniform in [-1, 1).
@@ -81,7 +74,7 @@ impl Rng {
 
     /// Uniform in 0..n; 0 for n = 0.
     pub(crate) fn below(&mut self, n: u32) -> u32 {
-        ((u64::from(n) * (self.next() >> 32)) >> 32) as u32
+        ((u64::from(n) * (self.0.bits() >> 32)) >> 32) as u32
     }
 
     /// Uniform on the unit sphere.

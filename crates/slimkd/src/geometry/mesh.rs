@@ -149,6 +149,15 @@ impl TriangleMesh {
         self.triangles()[id as usize].map(|v| self.vertices()[v as usize])
     }
 
+    /// Whether triangle `id` can never be hit: its corners are exactly collinear, or one has a coordinate that is not finite. A
+    /// triangle that is merely tiny can be hit.
+    ///
+    /// # Panics
+    /// When `id` is not below [`TriangleMesh::len`].
+    pub fn is_degenerate(&self, id: u32) -> bool {
+        is_degenerate(&self.corners(id))
+    }
+
     /// Ids of the triangles that can be hit, ascending, and their bounds. The others are collinear or not finite.
     pub(crate) fn valid_triangles(&self) -> (Vec<u32>, Aabb) {
         self.valid_triangles_until(|| false).expect("memory for the ids")

@@ -1,4 +1,4 @@
-//! How far a build has come, and how to stop it, from any thread.
+//! How far a build, or other long work, has come, and how to stop it, from any thread.
 //!
 //! A build goes through phases (`pace.rs`), each with its share of the whole. What a phase adds never goes beyond its end, so a
 //! share that was estimated too small costs a standstill, never a step back.
@@ -11,7 +11,7 @@ const ONE: f64 = (1u64 << 50) as f64;
 /// Indices between two looks of loops over a whole tree: some 20 µs of them.
 const INDICES_A_LOOK: usize = 1 << 12;
 
-/// Shared between a running build and whoever watches it.
+/// Shared between a running build and whoever watches it; loading a scene and rendering a picture take one too.
 ///
 /// ```
 /// use slimkd::{BuildOptions, KdTree, Progress, TriangleMesh};
@@ -43,7 +43,7 @@ impl Progress {
         (self.done.load(Relaxed) as f64 / ONE).min(1.0)
     }
 
-    /// Asks the build to end with [`BuildError::Cancelled`] soon.
+    /// Asks the work to end soon: a build ends with [`BuildError::Cancelled`].
     pub fn cancel(&self) {
         self.cancelled.store(true, Relaxed);
     }
@@ -51,6 +51,11 @@ impl Progress {
     /// True once [`Progress::cancel`] was called.
     pub fn is_cancelled(&self) -> bool {
         self.cancelled.load(Relaxed)
+    }
+
+    /// Says how far work other than a build has come, 0 to 1; for whoever does that work.
+    pub fn set(&self, fraction: f64) {
+        self.done.fetch_max(units(fraction.min(1.0)), Relaxed);
     }
 
     /// Ends the phase at hand, and begins one that takes that share of the whole.
@@ -83,7 +88,7 @@ impl Progress {
 
     /// All is done, whatever rounding left.
     pub(crate) fn finish(&self) {
-        self.done.fetch_max(ONE as u64, Relaxed);
+        self.set(1.0);
     }
 
     /// [`Progress::check`] now and then: for loops over a whole tree, which call it with their index.

@@ -1,31 +1,14 @@
 //! AVX2: 8 lanes, masks as vectors of all ones or zeros.
 
-use super::{Simd, lane_at, load_row, load_two, methods, operators};
+use super::macros::{methods, operators, vectors};
+use super::{Simd, lane_at, load_row, load_two};
 use std::arch::x86_64::*;
 
 const WIDTH: usize = 8;
 
-/// Proof of AVX2, BMI1, BMI2, LZCNT and POPCNT.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Avx2(());
-
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct F32(__m256);
-/// Lower and upper four lanes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct F64(__m256d, __m256d);
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct U32(__m256i);
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Mask(__m256);
-
-impl Avx2 {
-    /// # Safety
-    /// The processor must have AVX2, BMI1, BMI2, LZCNT and POPCNT.
-    #[inline(always)]
-    pub(crate) unsafe fn new() -> Self {
-        Self(())
-    }
+vectors! {
+    Avx2 proves "AVX2, BMI1, BMI2, LZCNT and POPCNT";
+    F32(__m256), F64(__m256d, __m256d), U32(__m256i), Mask(__m256)
 }
 
 operators! {
@@ -47,37 +30,13 @@ operators! {
         BitAnd::bitand = |a, b| U32(_mm256_and_si256(a.0, b.0));
         BitOr::bitor = |a, b| U32(_mm256_or_si256(a.0, b.0));
         BitXor::bitxor = |a, b| U32(_mm256_xor_si256(a.0, b.0));
+        Shl::shl = |a, by: u32| U32(_mm256_sll_epi32(a.0, _mm_cvtsi32_si128(by as i32)));
+        Shr::shr = |a, by: u32| U32(_mm256_srl_epi32(a.0, _mm_cvtsi32_si128(by as i32)));
     }
     Mask {
         BitAnd::bitand = |a, b| Mask(_mm256_and_ps(a.0, b.0));
         BitOr::bitor = |a, b| Mask(_mm256_or_ps(a.0, b.0));
-    }
-}
-
-impl std::ops::Shl<u32> for U32 {
-    type Output = Self;
-    #[inline(always)]
-    fn shl(self, by: u32) -> Self {
-        // SAFETY: the vector proves the instructions.
-        unsafe { Self(_mm256_sll_epi32(self.0, _mm_cvtsi32_si128(by as i32))) }
-    }
-}
-
-impl std::ops::Shr<u32> for U32 {
-    type Output = Self;
-    #[inline(always)]
-    fn shr(self, by: u32) -> Self {
-        // SAFETY: the vector proves the instructions.
-        unsafe { Self(_mm256_srl_epi32(self.0, _mm_cvtsi32_si128(by as i32))) }
-    }
-}
-
-impl std::ops::Not for Mask {
-    type Output = Self;
-    #[inline(always)]
-    fn not(self) -> Self {
-        // SAFETY: the vector proves the instructions.
-        unsafe { Self(_mm256_xor_ps(self.0, _mm256_castsi256_ps(_mm256_set1_epi32(-1)))) }
+        Not::not = |a| Mask(_mm256_xor_ps(a.0, _mm256_castsi256_ps(_mm256_set1_epi32(-1))));
     }
 }
 

@@ -1,31 +1,14 @@
 //! AVX-512 (F, BW, DQ, VL): 16 lanes, masks in registers of their own.
 
-use super::{Shear, Simd, lane_at, load_row, load_two, methods, operators};
+use super::macros::{methods, operators, vectors};
+use super::{Shear, Simd, lane_at, load_row, load_two};
 use std::arch::x86_64::*;
 
 const WIDTH: usize = 16;
 
-/// Proof of AVX-512 F, BW, DQ, VL and AVX2.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Avx512(());
-
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct F32(__m512);
-/// Lower and upper eight lanes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct F64(__m512d, __m512d);
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct U32(__m512i);
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Bits(__mmask16);
-
-impl Avx512 {
-    /// # Safety
-    /// The processor must have AVX-512 F, BW, DQ, VL and AVX2.
-    #[inline(always)]
-    pub(crate) unsafe fn new() -> Self {
-        Self(())
-    }
+vectors! {
+    Avx512 proves "AVX-512 F, BW, DQ, VL and AVX2";
+    F32(__m512), F64(__m512d, __m512d), U32(__m512i), Bits(__mmask16)
 }
 
 operators! {
@@ -47,48 +30,13 @@ operators! {
         BitAnd::bitand = |a, b| U32(_mm512_and_si512(a.0, b.0));
         BitOr::bitor = |a, b| U32(_mm512_or_si512(a.0, b.0));
         BitXor::bitxor = |a, b| U32(_mm512_xor_si512(a.0, b.0));
+        Shl::shl = |a, by: u32| U32(_mm512_sll_epi32(a.0, _mm_cvtsi32_si128(by as i32)));
+        Shr::shr = |a, by: u32| U32(_mm512_srl_epi32(a.0, _mm_cvtsi32_si128(by as i32)));
     }
-}
-
-impl std::ops::Shl<u32> for U32 {
-    type Output = Self;
-    #[inline(always)]
-    fn shl(self, by: u32) -> Self {
-        // SAFETY: the vector proves the instructions.
-        unsafe { Self(_mm512_sll_epi32(self.0, _mm_cvtsi32_si128(by as i32))) }
-    }
-}
-
-impl std::ops::Shr<u32> for U32 {
-    type Output = Self;
-    #[inline(always)]
-    fn shr(self, by: u32) -> Self {
-        // SAFETY: the vector proves the instructions.
-        unsafe { Self(_mm512_srl_epi32(self.0, _mm_cvtsi32_si128(by as i32))) }
-    }
-}
-
-impl std::ops::BitAnd for Bits {
-    type Output = Self;
-    #[inline(always)]
-    fn bitand(self, other: Self) -> Self {
-        Self(self.0 & other.0)
-    }
-}
-
-impl std::ops::BitOr for Bits {
-    type Output = Self;
-    #[inline(always)]
-    fn bitor(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-}
-
-impl std::ops::Not for Bits {
-    type Output = Self;
-    #[inline(always)]
-    fn not(self) -> Self {
-        Self(!self.0)
+    Bits {
+        BitAnd::bitand = |a, b| Bits(a.0 & b.0);
+        BitOr::bitor = |a, b| Bits(a.0 | b.0);
+        Not::not = |a| Bits(!a.0);
     }
 }
 

@@ -1,10 +1,10 @@
 //! Which instruction set a batch is traced with, and the entry functions that carry it.
 
+use super::Simd;
 #[cfg(target_arch = "x86_64")]
 use super::{Avx2, Avx512, Sse2, Twice};
 #[cfg(target_arch = "aarch64")]
 use super::{Neon, Twice};
-use super::{Scalar, Simd};
 use std::sync::OnceLock;
 
 /// What a batch is traced with. All give the same hits, to the last bit.
@@ -22,7 +22,7 @@ use std::sync::OnceLock;
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum InstructionSet {
-    /// Plain Rust, for every processor.
+    /// Plain Rust, for every processor: batches go ray by ray, since lanes in memory would be slower.
     Scalar,
     /// 4 lanes; every x86-64 has it.
     Sse2,
@@ -78,22 +78,23 @@ impl InstructionSet {
         *BEST.get_or_init(|| Self::Avx512.or_below())
     }
 
-    /// Runs a kernel with 16 lanes of it.
+    /// Runs a kernel with 16 lanes of it; `None` where there are no lanes.
     #[inline]
-    pub(crate) fn run<K: Kernel>(self, kernel: K) -> K::Output {
+    pub(crate) fn run<K: Kernel>(self, kernel: K) -> Option<K::Output> {
         self.or_below().run_available(kernel)
     }
 
     /// Runs a kernel with 16 lanes of the best: for one ray, which does not wait for a look at what the processor has.
     #[inline]
-    pub(crate) fn run_best<K: Kernel>(kernel: K) -> K::Output {
+    pub(crate) fn run_best<K: Kernel>(kernel: K) -> Option<K::Output> {
         Self::best().run_available(kernel)
     }
 
     /// Runs a kernel with 16 lanes of it. Only for what [`InstructionSet::or_below`] returned.
     #[inline(always)]
-    fn run_available<K: Kernel>(self, kernel: K) -> K::Output {
-        match self {
+    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), allow(unreachable_code, unused))]
+    fn run_available<K: Kernel>(self, kernel: K) -> Option<K::Output> {
+        let output = match self {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `or_below` returns only what `is_available` found.
             Self::Avx512 => unsafe { run_avx512(kernel) },
@@ -106,8 +107,9 @@ impl InstructionSet {
             #[cfg(target_arch = "aarch64")]
             // SAFETY: NEON is part of 64-bit ARM.
             Self::Neon => kernel.run(Twice(Twice(unsafe { Neon::new() }))),
-            _ => kernel.run(Scalar),
-        }
+            _ => return None,
+        };
+        Some(output)
     }
 }
 

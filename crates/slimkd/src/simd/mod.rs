@@ -7,11 +7,14 @@
 //!    step, in [`level`]. Every vector comes from a token, so arithmetic on vectors is safe.
 //! 2. Everything is `#[inline(always)]` and ends up inside a function with `#[target_feature]`. A kernel implements
 //!    [`Kernel`] and must keep that chain: whatever it calls with vectors is `#[inline(always)]` too.
-//! 3. Nothing is fused: `a * b + c` rounds twice at every level, so all levels give the same bits. [`Scalar`], plain
-//!    arrays, is the oracle.
+//! 3. Nothing is fused: `a * b + c` rounds twice at every level, so all levels give the same bits. `scalar.rs`, plain
+//!    arrays, is the oracle of the tests; rays go one by one where there are no vectors.
 //! 4. Kernels see 16 lanes at every level: AVX2 is [`Twice`] 8 of them, SSE2 and NEON twice twice 4.
 
 mod level;
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+mod macros;
+#[cfg(test)]
 mod scalar;
 #[cfg(test)]
 mod tests;
@@ -29,6 +32,7 @@ mod sse2;
 pub use level::{InstructionSet, UnknownInstructionSet};
 
 pub(crate) use level::Kernel;
+#[cfg(test)]
 pub(crate) use scalar::Scalar;
 pub(crate) use twice::Twice;
 
@@ -114,9 +118,10 @@ pub(crate) trait Simd: Copy + Send + Sync + 'static {
     #[inline(always)]
     unsafe fn quad(self, shear: &Shear, corners: &[[*const [f32; 3]; 3]; 4]) -> u32 {
         let mut hits = 0;
-        for (k, triangle) in corners.iter().enumerate() {
+        for (k, &[a, b, c]) in corners.iter().enumerate() {
             // SAFETY: the caller's promise.
-            hits |= u32::from(shear.may_hit(&triangle.map(|corner| unsafe { *corner }))) << k;
+            let corners = unsafe { [*a, *b, *c] };
+            hits |= u32::from(shear.may_hit(&corners)) << k;
         }
         hits
     }
@@ -316,39 +321,14 @@ unsafe fn load_row(base: *const u8, scale: usize, at: &[u32], lane: usize) -> st
     unsafe { std::arch::x86_64::_mm_loadu_si128(base.add(lane_at(at, lane) * scale).cast()) }
 }
 
-/// Operators of vectors that are one expression of intrinsics.
+/// The lanes of a vector, in memory. AVX2 stores them in place instead: behind [`lane_at`]'s volatile reads the copy would stay.
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
-macro_rules! operators {
-    ($($vector:ident { $($trait:ident::$method:ident = |$a:ident, $b:ident| $body:expr;)* })*) => {
-        $($(
-            impl std::ops::$trait for $vector {
-                type Output = Self;
-                #[inline(always)]
-                fn $method(self, other: Self) -> Self {
-                    let ($a, $b) = (self, other);
-                    // SAFETY: a vector exists only where a token exists, which proves the instructions.
-                    unsafe { $body }
-                }
-            }
-        )*)*
-    };
+#[inline(always)]
+fn lanes<S: Simd, const WIDTH: usize>(simd: S, x: S::U) -> [u32; WIDTH] {
+    let mut lanes = [0; WIDTH];
+    simd.store_u32(x, &mut lanes);
+    lanes
 }
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
-use operators;
-
-/// Methods of tokens that are one expression of intrinsics.
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
-macro_rules! methods {
-    ($($name:ident($($argument:ident: $type:ty),*) $(-> $result:ty)? = $body:expr;)*) => {
-        $(#[inline(always)]
-        fn $name(self, $($argument: $type),*) $(-> $result)? {
-            // SAFETY: the token proves the instructions; slices were cut to the vector's width.
-            unsafe { $body }
-        })*
-    };
-}
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
-use methods;
 
 /// Asks for the cache line at an address, which may be any: a hint, and nothing where there is none.
 #[inline(always)]

@@ -2,40 +2,16 @@
 //!
 //! Compiles with the toolchain's target; untested, for want of such a machine.
 
-use super::{Simd, methods, operators};
+use super::macros::{methods, operators, through_memory, vectors};
+use super::{Simd, lanes};
 use std::arch::aarch64::*;
 use std::array::from_fn;
 
 const WIDTH: usize = 4;
 
-/// Proof of NEON.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Neon(());
-
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct F32(float32x4_t);
-/// Lower and upper two lanes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct F64(float64x2_t, float64x2_t);
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct U32(uint32x4_t);
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Mask(uint32x4_t);
-
-impl Neon {
-    /// # Safety
-    /// The processor must have NEON.
-    #[inline(always)]
-    pub(crate) unsafe fn new() -> Self {
-        Self(())
-    }
-
-    #[inline(always)]
-    fn lanes(self, x: U32) -> [u32; WIDTH] {
-        let mut lanes = [0; WIDTH];
-        self.store_u32(x, &mut lanes);
-        lanes
-    }
+vectors! {
+    Neon proves "NEON";
+    F32(float32x4_t), F64(float64x2_t, float64x2_t), U32(uint32x4_t), Mask(uint32x4_t)
 }
 
 operators! {
@@ -57,37 +33,13 @@ operators! {
         BitAnd::bitand = |a, b| U32(vandq_u32(a.0, b.0));
         BitOr::bitor = |a, b| U32(vorrq_u32(a.0, b.0));
         BitXor::bitxor = |a, b| U32(veorq_u32(a.0, b.0));
+        Shl::shl = |a, by: u32| U32(vshlq_u32(a.0, vdupq_n_s32(by as i32)));
+        Shr::shr = |a, by: u32| U32(vshlq_u32(a.0, vdupq_n_s32(-(by as i32))));
     }
     Mask {
         BitAnd::bitand = |a, b| Mask(vandq_u32(a.0, b.0));
         BitOr::bitor = |a, b| Mask(vorrq_u32(a.0, b.0));
-    }
-}
-
-impl std::ops::Shl<u32> for U32 {
-    type Output = Self;
-    #[inline(always)]
-    fn shl(self, by: u32) -> Self {
-        // SAFETY: the vector proves the instructions.
-        unsafe { Self(vshlq_u32(self.0, vdupq_n_s32(by as i32))) }
-    }
-}
-
-impl std::ops::Shr<u32> for U32 {
-    type Output = Self;
-    #[inline(always)]
-    fn shr(self, by: u32) -> Self {
-        // SAFETY: the vector proves the instructions.
-        unsafe { Self(vshlq_u32(self.0, vdupq_n_s32(-(by as i32)))) }
-    }
-}
-
-impl std::ops::Not for Mask {
-    type Output = Self;
-    #[inline(always)]
-    fn not(self) -> Self {
-        // SAFETY: the vector proves the instructions.
-        unsafe { Self(vmvnq_u32(self.0)) }
+        Not::not = |a| Mask(vmvnq_u32(a.0));
     }
 }
 
@@ -143,6 +95,8 @@ impl Simd for Neon {
         self.select(self.lt(a, b), a, b)
     }
 
+    through_memory! {}
+
     #[inline(always)]
     fn columns(self, records: &[[f32; 8]]) -> [F32; 8] {
         let records = &records[..WIDTH];
@@ -150,44 +104,8 @@ impl Simd for Neon {
     }
 
     #[inline(always)]
-    fn permute(self, x: F32, from: U32) -> F32 {
-        self.cast_f32(self.permute_u32(self.cast_u32(x), from))
-    }
-    #[inline(always)]
-    fn permute_u32(self, x: U32, from: U32) -> U32 {
-        let (x, from) = (self.lanes(x), self.lanes(from));
-        self.load_u32(&from.map(|i| x[i as usize % WIDTH]))
-    }
-
-    #[inline(always)]
-    fn compress(self, mask: Mask, x: U32, to: &mut [u32]) -> usize {
-        let to = &mut to[..WIDTH];
-        let (bits, x) = (self.bits(mask), self.lanes(x));
-        let mut count = 0;
-        for i in 0..WIDTH {
-            to[count] = x[i];
-            count += (bits >> i & 1) as usize;
-        }
-        count
-    }
-
-    #[inline(always)]
-    unsafe fn gather<const SCALE: i32>(self, base: *const u8, index: U32) -> F32 {
-        // SAFETY: the caller's promise.
-        self.cast_f32(unsafe { self.gather_u32::<SCALE>(base, index) })
-    }
-    #[inline(always)]
-    unsafe fn gather_u32<const SCALE: i32>(self, base: *const u8, index: U32) -> U32 {
-        let index = self.lanes(index);
-        let x: [u32; WIDTH] = from_fn(|lane| {
-            // SAFETY: the caller says that these bytes are readable.
-            unsafe { base.add(index[lane] as usize * SCALE as usize).cast::<u32>().read_unaligned() }
-        });
-        self.load_u32(&x)
-    }
-    #[inline(always)]
     unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, index: U32) -> (U32, U32) {
-        let index = self.lanes(index);
+        let index = lanes::<_, WIDTH>(self, index);
         let x: [u64; WIDTH] = from_fn(|lane| {
             // SAFETY: the caller says that these bytes are readable.
             unsafe { base.add(index[lane] as usize * SCALE as usize).cast::<u64>().read_unaligned() }

@@ -1,39 +1,14 @@
 //! SSE2: 4 lanes, what every x86-64 has. Gathers, permutes and compression go through memory.
 
-use super::{Simd, load_row, load_two, methods, operators};
+use super::macros::{methods, operators, through_memory, vectors};
+use super::{Simd, lanes, load_row, load_two};
 use std::arch::x86_64::*;
-use std::array::from_fn;
 
 const WIDTH: usize = 4;
 
-/// Proof of SSE2.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Sse2(());
-
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct F32(__m128);
-/// Lower and upper two lanes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct F64(__m128d, __m128d);
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct U32(__m128i);
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Mask(__m128);
-
-impl Sse2 {
-    /// # Safety
-    /// The processor must have SSE2.
-    #[inline(always)]
-    pub(crate) unsafe fn new() -> Self {
-        Self(())
-    }
-
-    #[inline(always)]
-    fn lanes(self, x: U32) -> [u32; WIDTH] {
-        let mut lanes = [0; WIDTH];
-        self.store_u32(x, &mut lanes);
-        lanes
-    }
+vectors! {
+    Sse2 proves "SSE2";
+    F32(__m128), F64(__m128d, __m128d), U32(__m128i), Mask(__m128)
 }
 
 operators! {
@@ -55,37 +30,13 @@ operators! {
         BitAnd::bitand = |a, b| U32(_mm_and_si128(a.0, b.0));
         BitOr::bitor = |a, b| U32(_mm_or_si128(a.0, b.0));
         BitXor::bitxor = |a, b| U32(_mm_xor_si128(a.0, b.0));
+        Shl::shl = |a, by: u32| U32(_mm_sll_epi32(a.0, _mm_cvtsi32_si128(by as i32)));
+        Shr::shr = |a, by: u32| U32(_mm_srl_epi32(a.0, _mm_cvtsi32_si128(by as i32)));
     }
     Mask {
         BitAnd::bitand = |a, b| Mask(_mm_and_ps(a.0, b.0));
         BitOr::bitor = |a, b| Mask(_mm_or_ps(a.0, b.0));
-    }
-}
-
-impl std::ops::Shl<u32> for U32 {
-    type Output = Self;
-    #[inline(always)]
-    fn shl(self, by: u32) -> Self {
-        // SAFETY: the vector proves the instructions.
-        unsafe { Self(_mm_sll_epi32(self.0, _mm_cvtsi32_si128(by as i32))) }
-    }
-}
-
-impl std::ops::Shr<u32> for U32 {
-    type Output = Self;
-    #[inline(always)]
-    fn shr(self, by: u32) -> Self {
-        // SAFETY: the vector proves the instructions.
-        unsafe { Self(_mm_srl_epi32(self.0, _mm_cvtsi32_si128(by as i32))) }
-    }
-}
-
-impl std::ops::Not for Mask {
-    type Output = Self;
-    #[inline(always)]
-    fn not(self) -> Self {
-        // SAFETY: the vector proves the instructions.
-        unsafe { Self(_mm_xor_ps(self.0, _mm_castsi128_ps(_mm_set1_epi32(-1)))) }
+        Not::not = |a| Mask(_mm_xor_ps(a.0, _mm_castsi128_ps(_mm_set1_epi32(-1))));
     }
 }
 
@@ -142,6 +93,8 @@ impl Simd for Sse2 {
         bits(mask: Mask) -> u32 = _mm_movemask_ps(mask.0) as u32;
     }
 
+    through_memory! {}
+
     #[inline(always)]
     fn columns(self, records: &[[f32; 8]]) -> [F32; 8] {
         let [a, b, c, d] = [&records[0], &records[1], &records[2], &records[3]];
@@ -164,44 +117,8 @@ impl Simd for Sse2 {
     }
 
     #[inline(always)]
-    fn permute(self, x: F32, from: U32) -> F32 {
-        self.cast_f32(self.permute_u32(self.cast_u32(x), from))
-    }
-    #[inline(always)]
-    fn permute_u32(self, x: U32, from: U32) -> U32 {
-        let (x, from) = (self.lanes(x), self.lanes(from));
-        self.load_u32(&from.map(|i| x[i as usize % WIDTH]))
-    }
-
-    #[inline(always)]
-    fn compress(self, mask: Mask, x: U32, to: &mut [u32]) -> usize {
-        let to = &mut to[..WIDTH];
-        let (bits, x) = (self.bits(mask), self.lanes(x));
-        let mut count = 0;
-        for i in 0..WIDTH {
-            to[count] = x[i];
-            count += (bits >> i & 1) as usize;
-        }
-        count
-    }
-
-    #[inline(always)]
-    unsafe fn gather<const SCALE: i32>(self, base: *const u8, index: U32) -> F32 {
-        // SAFETY: the caller's promise.
-        self.cast_f32(unsafe { self.gather_u32::<SCALE>(base, index) })
-    }
-    #[inline(always)]
-    unsafe fn gather_u32<const SCALE: i32>(self, base: *const u8, index: U32) -> U32 {
-        let index = self.lanes(index);
-        let x: [u32; WIDTH] = from_fn(|lane| {
-            // SAFETY: the caller says that these bytes are readable.
-            unsafe { base.add(index[lane] as usize * SCALE as usize).cast::<u32>().read_unaligned() }
-        });
-        self.load_u32(&x)
-    }
-    #[inline(always)]
     unsafe fn gather_pairs<const SCALE: i32>(self, base: *const u8, index: U32) -> (U32, U32) {
-        let (at, scale) = (self.lanes(index), SCALE as usize);
+        let (at, scale) = (lanes::<_, WIDTH>(self, index), SCALE as usize);
         // SAFETY: the token proves the instructions; the caller vouches for the addresses.
         unsafe {
             let a = _mm_castsi128_ps(load_two(base, scale, &at, 0));
@@ -213,7 +130,7 @@ impl Simd for Sse2 {
     }
     #[inline(always)]
     unsafe fn gather_rows<const SCALE: i32>(self, base: *const u8, index: U32) -> [U32; 4] {
-        let (at, scale) = (self.lanes(index), SCALE as usize);
+        let (at, scale) = (lanes::<_, WIDTH>(self, index), SCALE as usize);
         // SAFETY: the token proves the instructions; the caller vouches for the addresses.
         unsafe {
             let (first, second) = (load_row(base, scale, &at, 0), load_row(base, scale, &at, 1));

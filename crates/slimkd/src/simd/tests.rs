@@ -133,7 +133,8 @@ fn every_instruction_set_computes_what_plain_arrays_do() {
     for shift in 0..LANES {
         let expected = Everything { shift }.run(Scalar);
         for set in InstructionSet::ALL.iter().filter(|set| set.is_available()) {
-            assert_eq!(set.run(Everything { shift }), expected, "{} {shift}", set.name());
+            let wanted = (*set != InstructionSet::Scalar).then_some(&expected);
+            assert_eq!(set.run(Everything { shift }).as_ref(), wanted, "{} {shift}", set.name());
         }
     }
 }

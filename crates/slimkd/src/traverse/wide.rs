@@ -23,7 +23,7 @@ use super::sink::{Any, Closest, Filtered, Sink};
 use super::{RayConditions, Traced};
 use crate::geometry::{Hit, Ray};
 use crate::layout::{Address, Ids, LANES, STEP_BITS, WideNode, WideNodes, WideView};
-use crate::simd::{Kernel, Simd};
+use crate::simd::{InstructionSet, Kernel, Simd};
 use std::mem::MaybeUninit;
 
 /// The deepest tree whose stack lies on the machine's stack.
@@ -33,12 +33,59 @@ const WAITING: usize = LANES - 1;
 /// Widths up to here, and no distance overflows (deviation 2).
 const MOST_WIDTH: f32 = (1u128 << 100) as f32;
 
+/// How one ray goes through a tree.
+trait Way {
+    /// Offers every triangle that the ray may hit to `sink`, nearer boxes first.
+    fn walk(&self, tree: &Traced<'_, WideView<'_>>, ray: &PreparedRay, sink: &mut impl Sink);
+}
+
+/// With vectors.
+struct ByLanes<V>(V);
+
+impl<V: Simd> Way for ByLanes<V> {
+    #[inline(always)]
+    fn walk(&self, tree: &Traced<'_, WideView<'_>>, ray: &PreparedRay, sink: &mut impl Sink) {
+        let &Traced { nodes, depth, .. } = tree;
+        let plain = ray.enter >= 0.0
+            && ray.slack[0] < MOST_WIDTH
+            && ray.slack[1] < MOST_WIDTH
+            && ray.slack[2] < MOST_WIDTH;
+        if !plain {
+            return walk_exactly(nodes, ray, sink);
+        }
+        if (depth as usize) < SMALL_DEPTH {
+            Walk::new(self.0, nodes, ray).run(sink, &mut [MaybeUninit::uninit(); SMALL_DEPTH * WAITING]);
+        } else {
+            let mut stack = vec![MaybeUninit::uninit(); (depth as usize + 1) * WAITING];
+            Walk::new(self.0, nodes, ray).run(sink, &mut stack);
+        }
+    }
+}
+
+/// With numbers.
+struct Exactly;
+
+impl Way for Exactly {
+    fn walk(&self, tree: &Traced<'_, WideView<'_>>, ray: &PreparedRay, sink: &mut impl Sink) {
+        walk_exactly(tree.nodes, ray, sink);
+    }
+}
+
 /// One ray through a tree.
 pub(crate) struct WideWalk<'a, S> {
-    pub(crate) nodes: WideView<'a>,
-    pub(crate) depth: u32,
+    pub(crate) tree: Traced<'a, WideView<'a>>,
     pub(crate) ray: &'a PreparedRay,
     pub(crate) sink: &'a mut S,
+}
+
+impl<S: Sink> WideWalk<'_, S> {
+    /// With the best instructions; a walk that is measured, with the same ones everywhere.
+    pub(crate) fn run_best(self) {
+        let Self { tree, ray, sink } = self;
+        if S::MEASURED || InstructionSet::run_best(WideWalk { tree, ray, sink: &mut *sink }).is_none() {
+            Exactly.walk(&tree, ray, sink);
+        }
+    }
 }
 
 impl<S: Sink> Kernel for WideWalk<'_, S> {
@@ -46,7 +93,7 @@ impl<S: Sink> Kernel for WideWalk<'_, S> {
 
     #[inline(always)]
     fn run<V: Simd>(self, s: V) {
-        walk_ray(s, self.nodes, self.depth, self.ray, self.sink);
+        ByLanes(s).walk(&self.tree, self.ray, self.sink);
     }
 }
 
@@ -58,25 +105,39 @@ pub(crate) struct WideClosestHits<'a> {
     pub(crate) hits: &'a mut [Option<Hit>],
 }
 
+impl WideClosestHits<'_> {
+    pub(crate) fn run_with(self, set: InstructionSet) {
+        let Self { tree, rays, conditions, hits } = self;
+        if set.run(WideClosestHits { tree, rays, conditions, hits: &mut *hits }).is_none() {
+            WideClosestHits { tree, rays, conditions, hits }.walk_all(&Exactly);
+        }
+    }
+
+    #[inline(always)]
+    fn walk_all(self, way: &impl Way) {
+        let (tree, conditions) = (&self.tree, &self.conditions);
+        for (at, (ray, hit)) in self.rays.iter().zip(self.hits).enumerate() {
+            *hit = None;
+            let Some(prepared) = PreparedRay::new(ray, tree.bounds, tree.nodes.grid()) else { continue };
+            let mut sink = Closest::new(ray.t_max, conditions.excepted(at));
+            match conditions.filter {
+                None => way.walk(tree, &prepared, &mut sink),
+                Some(filter) => {
+                    let accept = &mut |hit: &Hit| filter(conditions.first + at, hit);
+                    way.walk(tree, &prepared, &mut Filtered { sink: &mut sink, accept });
+                }
+            }
+            *hit = sink.into_hit();
+        }
+    }
+}
+
 impl Kernel for WideClosestHits<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<V: Simd>(self, s: V) {
-        let Traced { nodes, depth, bounds } = self.tree;
-        for (at, (ray, hit)) in self.rays.iter().zip(self.hits).enumerate() {
-            *hit = None;
-            let Some(prepared) = PreparedRay::new(ray, bounds, nodes.grid()) else { continue };
-            let mut sink = Closest::new(ray.t_max, self.conditions.excepted(at));
-            match self.conditions.filter {
-                None => walk_ray(s, nodes, depth, &prepared, &mut sink),
-                Some(filter) => {
-                    let accept = &mut |hit: &Hit| filter(self.conditions.first + at, hit);
-                    walk_ray(s, nodes, depth, &prepared, &mut Filtered { sink: &mut sink, accept });
-                }
-            }
-            *hit = sink.into_hit();
-        }
+        self.walk_all(&ByLanes(s));
     }
 }
 
@@ -88,21 +149,26 @@ pub(crate) struct WideAnyHits<'a> {
     pub(crate) hits: &'a mut [bool],
 }
 
-impl Kernel for WideAnyHits<'_> {
-    type Output = ();
+impl WideAnyHits<'_> {
+    pub(crate) fn run_with(self, set: InstructionSet) {
+        let Self { tree, rays, conditions, hits } = self;
+        if set.run(WideAnyHits { tree, rays, conditions, hits: &mut *hits }).is_none() {
+            WideAnyHits { tree, rays, conditions, hits }.walk_all(&Exactly);
+        }
+    }
 
     #[inline(always)]
-    fn run<V: Simd>(self, s: V) {
-        let Traced { nodes, depth, bounds } = self.tree;
+    fn walk_all(self, way: &impl Way) {
+        let (tree, conditions) = (&self.tree, &self.conditions);
         for (at, (ray, hit)) in self.rays.iter().zip(self.hits).enumerate() {
             *hit = false;
-            let Some(prepared) = PreparedRay::new(ray, bounds, nodes.grid()) else { continue };
-            let mut sink = Any::new(ray.t_max, self.conditions.excepted(at));
-            match self.conditions.filter {
-                None => walk_ray(s, nodes, depth, &prepared, &mut sink),
+            let Some(prepared) = PreparedRay::new(ray, tree.bounds, tree.nodes.grid()) else { continue };
+            let mut sink = Any::new(ray.t_max, conditions.excepted(at));
+            match conditions.filter {
+                None => way.walk(tree, &prepared, &mut sink),
                 Some(filter) => {
-                    let accept = &mut |hit: &Hit| filter(self.conditions.first + at, hit);
-                    walk_ray(s, nodes, depth, &prepared, &mut Filtered { sink: &mut sink, accept });
+                    let accept = &mut |hit: &Hit| filter(conditions.first + at, hit);
+                    way.walk(tree, &prepared, &mut Filtered { sink: &mut sink, accept });
                 }
             }
             *hit = sink.found;
@@ -110,17 +176,12 @@ impl Kernel for WideAnyHits<'_> {
     }
 }
 
-/// Offers every triangle that the ray may hit to `sink`, nearer boxes first.
-#[inline(always)]
-pub(crate) fn walk_ray<V: Simd>(s: V, nodes: WideView<'_>, depth: u32, ray: &PreparedRay, sink: &mut impl Sink) {
-    let plain = ray.enter >= 0.0 && ray.slack.iter().all(|&width| width < MOST_WIDTH);
-    if !plain {
-        return walk_exactly(nodes, ray, sink);
-    }
-    if (depth as usize) < SMALL_DEPTH {
-        Walk::new(s, nodes, ray).run(sink, &mut [MaybeUninit::uninit(); SMALL_DEPTH * WAITING]);
-    } else {
-        Walk::new(s, nodes, ray).run(sink, &mut vec![MaybeUninit::uninit(); (depth as usize + 1) * WAITING]);
+impl Kernel for WideAnyHits<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Simd>(self, s: V) {
+        self.walk_all(&ByLanes(s));
     }
 }
 
@@ -319,16 +380,22 @@ fn order(keys: &mut [u32]) -> u32 {
     keys[count - 1]
 }
 
-/// The walk in f64: for rays that the other one does not take, since no value overflows, and for trees that are not proved.
-#[cold]
+/// The walk in f64: for rays that the other one does not take, since no value overflows; for trees that are not proved; and where there
+/// are no vectors.
 #[inline(never)]
 pub(crate) fn walk_exactly(nodes: impl WideNodes, ray: &PreparedRay, sink: &mut impl Sink) {
-    let mut pending = vec![Address::ROOT];
-    while let Some(at) = pending.pop() {
+    let mut pending = vec![(Address::ROOT, f64::NEG_INFINITY)];
+    // Lanes that the ray meets, and where it enters them.
+    let mut met: Vec<(usize, f64)> = Vec::with_capacity(LANES);
+    while let Some((at, enter)) = pending.pop() {
+        let limit = f64::from(sink.limit()) * f64::from(ray.scale);
+        if enter > limit {
+            continue;
+        }
         sink.visit();
         // SAFETY: pending addresses are the root and inner children of nodes of this tree.
         let node = unsafe { nodes.read(at) };
-        let limit = f64::from(sink.limit()) * f64::from(ray.scale);
+        met.clear();
         for lane in 0..node.children() {
             let (mut near, mut far) = (f64::from(ray.enter), f64::from(ray.exit).min(limit));
             for k in 0..3 {
@@ -343,14 +410,13 @@ pub(crate) fn walk_exactly(nodes: impl WideNodes, ray: &PreparedRay, sink: &mut 
                 let width = f64::from(ray.slack[k]);
                 (near, far) = (near.max(first - width), far.min(last + width));
             }
-            if near > far {
-                continue;
+            if near <= far {
+                met.push((lane, near));
             }
-            if lane < node.inner() {
-                // SAFETY: the lane is that of an inner child.
-                pending.push(unsafe { nodes.child(&node, lane) });
-                continue;
-            }
+        }
+        met.sort_by(|a, b| a.1.total_cmp(&b.1));
+        // Leaves first, the nearest of them first: they shorten the walk. Then the nearest inner child, which is pushed last.
+        for &(lane, _) in met.iter().filter(|&&(lane, _)| lane >= node.inner()) {
             let mut buffer = Ids::new();
             // SAFETY: the lane is that of a leaf.
             for &id in unsafe { nodes.ids(&node, lane, &mut buffer) } {
@@ -364,6 +430,10 @@ pub(crate) fn walk_exactly(nodes: impl WideNodes, ray: &PreparedRay, sink: &mut 
                     return;
                 }
             }
+        }
+        for &(lane, near) in met.iter().rev().filter(|&&(lane, _)| lane < node.inner()) {
+            // SAFETY: the lane is that of an inner child.
+            pending.push((unsafe { nodes.child(&node, lane) }, near));
         }
     }
 }

@@ -52,12 +52,12 @@ fn build_here(
     let (triangles, bounds) = valid.ok_or(BuildError::OutOfMemory { bytes: 4 * mesh.len() as u64 })?;
     let degenerate = (mesh.len() - triangles.len()) as u64;
 
-    if options.layout == Layout::Wide && options.hoisting.is_none() && layout::wide::holds(&bounds) {
-        let (wide, depth, byte_weight) = build_wide(&triangles, &bounds, &job)?;
+    if options.layout == Layout::Wide
+        && let Some((wide, depth, byte_weight)) = wide_tree(&triangles, &bounds, &job)?
+    {
         drop((triangles, job));
-        let mut own_options = options.clone();
-        (own_options.threads, own_options.max_tree, own_options.max_build_bytes) = (None, None, None);
-        own_options.byte_weight = byte_weight;
+        let own_options =
+            BuildOptions { threads: None, max_tree: None, max_build_bytes: None, byte_weight, ..options.clone() };
         progress.finish();
         return Ok(KdTree { mesh, options: own_options, bounds, encoded: Encoded::Wide(wide), depth, degenerate });
     }
@@ -97,9 +97,17 @@ fn build_here(
     Ok(tree)
 }
 
-/// Builds a wide tree; also returns its depth and the weight of bytes that it has.
-fn build_wide(triangles: &[u32], bounds: &Aabb, job: &Job<'_>) -> Result<(Wide, u32, f32), BuildError> {
+/// A wide tree, its depth and the weight of bytes that it has. `None` where a wide tree cannot be: with T-references, without a triangle, in a
+/// scene that no grid holds, and where a single node is more than the tree may take.
+fn wide_tree(
+    triangles: &[u32],
+    bounds: &Aabb,
+    job: &Job<'_>,
+) -> Result<Option<(Wide, u32, f32)>, BuildError> {
     let options = job.options;
+    if options.hoisting.is_some() || triangles.is_empty() || !layout::wide::holds(bounds) {
+        return Ok(None);
+    }
     job.progress.begin(0.7);
     let plan = construct::boxes::build(triangles, bounds, true, job)?;
     job.progress.begin_loops(0.2, 2 * plan.nodes.len());
@@ -113,12 +121,16 @@ fn build_wide(triangles: &[u32], bounds: &Aabb, job: &Job<'_>) -> Result<(Wide, 
     let at_weight = |weight: f32| at_price(f64::from(weight) * cost_of_a_byte);
     let weight = match options.max_tree {
         None => options.byte_weight,
-        Some(most) => search_weight(options.byte_weight, None, most.bytes(job.mesh.len()), |weight| {
-            Ok(size(&at_weight(weight)?))
-        })?,
+        Some(most) => {
+            let most = most.bytes(job.mesh.len());
+            match search_weight(options.byte_weight, None, most, |weight| Ok(size(&at_weight(weight)?))) {
+                Err(BuildError::TreeTooLarge { .. }) => return Ok(None),
+                weight => weight?,
+            }
+        }
     };
     let widened = at_weight(weight)?;
     job.progress.begin_loops(0.1, plan.nodes.len() / 4);
     let (wide, depth) = layout::wide::encode(&widened, bounds, job)?;
-    Ok((wide, depth, weight))
+    Ok(Some((wide, depth, weight)))
 }

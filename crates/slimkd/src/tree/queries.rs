@@ -3,7 +3,6 @@
 use super::KdTree;
 use crate::geometry::{Aabb, Hit, Ray};
 use crate::layout::{LaneNodes, Nodes as _, with_nodes};
-use crate::simd::InstructionSet;
 use crate::query::{BatchJob, Walk, tracer};
 use crate::traverse::{
     AnyHits, ClosestHits, Conditions, NearestPoint, PreparedRay, RayConditions, Search, Sink, Stream, Traced,
@@ -31,7 +30,7 @@ impl Walk for KdTree {
             }
         }, wide => {
             if let Some(ray) = PreparedRay::new(ray, &self.bounds, wide.grid()) {
-                trace_wide(WideWalk { nodes: wide, depth: self.depth, ray: &ray, sink });
+                WideWalk { tree: self.traced(wide), ray: &ray, sink }.run_best();
             }
         });
     }
@@ -42,22 +41,17 @@ impl Walk for KdTree {
 
     fn closest_hits(&self, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {
         with_nodes!(self, nodes => self.traced(nodes).closest_hits(self, job, hits), wide => {
-            let tree = self.traced(wide);
-            job.instruction_set.run(WideClosestHits { tree, rays: job.rays, conditions: job.conditions, hits });
+            let (tree, BatchJob { rays, conditions, instruction_set, .. }) = (self.traced(wide), job);
+            WideClosestHits { tree, rays, conditions, hits }.run_with(instruction_set);
         });
     }
 
     fn any_hits(&self, job: BatchJob<'_>, hits: &mut [bool]) {
         with_nodes!(self, nodes => self.traced(nodes).any_hits(self, job, hits), wide => {
-            let tree = self.traced(wide);
-            job.instruction_set.run(WideAnyHits { tree, rays: job.rays, conditions: job.conditions, hits });
+            let (tree, BatchJob { rays, conditions, instruction_set, .. }) = (self.traced(wide), job);
+            WideAnyHits { tree, rays, conditions, hits }.run_with(instruction_set);
         });
     }
-}
-
-/// Walks with the best instructions; a walk that is measured, with the same ones everywhere.
-fn trace_wide<S: Sink>(walk: WideWalk<'_, S>) {
-    if S::MEASURED { InstructionSet::Scalar.run(walk) } else { InstructionSet::run_best(walk) }
 }
 
 impl KdTree {
@@ -75,6 +69,7 @@ impl<N: LaneNodes> Traced<'_, N> {
         }
         let except = conditions.except;
         let strays = instruction_set.run(ClosestHits { tree: self, rays, except, hits: &mut *hits });
+        let Some(strays) = strays else { return self.closest_stream(tree, job, hits) };
         finish_strays(rays, hits, except, &strays, |rays, except, hits| {
             let conditions = RayConditions { except, ..conditions };
             self.closest_stream(tree, BatchJob { rays, conditions, ..job }, hits);
@@ -88,6 +83,7 @@ impl<N: LaneNodes> Traced<'_, N> {
         }
         let except = conditions.except;
         let strays = instruction_set.run(AnyHits { tree: self, rays, except, hits: &mut *hits });
+        let Some(strays) = strays else { return self.any_stream(tree, job, hits) };
         finish_strays(rays, hits, except, &strays, |rays, except, hits| {
             let conditions = RayConditions { except, ..conditions };
             self.any_stream(tree, BatchJob { rays, conditions, ..job }, hits);
@@ -97,8 +93,9 @@ impl<N: LaneNodes> Traced<'_, N> {
     fn closest_stream(self, tree: &KdTree, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {
         if job.rays.len() >= LEAST_STREAM
             && let Some(stream) = Stream::new(self, job.rays, job.conditions, &mut *hits)
+            && job.instruction_set.run(stream).is_some()
         {
-            return job.instruction_set.run(stream);
+            return;
         }
         for (at, (ray, hit)) in job.rays.iter().zip(hits).enumerate() {
             *hit = job.conditions.alone(at, |conditions| tree.ask_closest(ray, conditions));
@@ -108,8 +105,9 @@ impl<N: LaneNodes> Traced<'_, N> {
     fn any_stream(self, tree: &KdTree, job: BatchJob<'_>, hits: &mut [bool]) {
         if job.rays.len() >= LEAST_STREAM
             && let Some(stream) = Stream::new(self, job.rays, job.conditions, &mut *hits)
+            && job.instruction_set.run(stream).is_some()
         {
-            return job.instruction_set.run(stream);
+            return;
         }
         for (at, (ray, hit)) in job.rays.iter().zip(hits).enumerate() {
             *hit = job.conditions.alone(at, |conditions| tree.ask_any(ray, conditions));

@@ -1,20 +1,15 @@
 //! Meshes and rays that several tests use.
 #![allow(dead_code, unreachable_pub)] // each test file uses its own part
 
-use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Layout, Preset, Ray, TriangleMesh};
+pub mod layers;
+
+use slimkd::{BuildOptions, Clipping, HoistAlgorithm, KdTree, Layout, Preset, Ray, TriangleMesh};
+pub use slimkd_util::Rng;
 
 /// How many, from the environment or else `few`: what makes a campaign of a test.
 pub fn how_many(variable: &str, few: u64) -> u64 {
     std::env::var(variable)
         .map_or(few, |n| n.parse().unwrap_or_else(|_| panic!("{variable}={n} is no number")))
-}
-
-/// Says that a test needs what is not here, and why that is a pity. `SLIMKD_REQUIRE=qemu,objdump` makes that a failure for the tools that
-/// it names, so that nothing is skipped in silence where everything should run.
-pub fn missing(tool: &str, so: &str) {
-    let required = std::env::var("SLIMKD_REQUIRE").unwrap_or_default();
-    assert!(!required.split(',').any(|name| name == tool), "{tool} is missing: {so}");
-    println!("skipped: no {tool}, {so}");
 }
 
 /// Threads that a campaign takes, `SLIMKD_WORKERS`.
@@ -60,42 +55,16 @@ pub fn variants() -> Vec<(String, BuildOptions)> {
             }
         }
     }
+    for byte_weight in [0.0, 0.2] {
+        let options = BuildOptions::from(Preset::Slim).with_layout(Layout::Wide).with_byte_weight(byte_weight);
+        out.push((format!("wide at {byte_weight}"), options.with_max_tree(None)));
+    }
     for layout in [Layout::FourByte, Layout::TwoByte, Layout::Wide] {
         let mut options = BuildOptions::from(Preset::Slim);
         options.layout = layout;
         out.push((format!("slim, {layout}"), options));
     }
     out
-}
-
-/// SplitMix64 (Steele, Lea & Flood 2014): small, seeded, the same everywhere.
-pub struct Rng(u64);
-
-impl Rng {
-    pub fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// In [0, 1).
-    pub fn unit(&mut self) -> f32 {
-        (self.next() >> 40) as f32 / (1u64 << 24) as f32
-    }
-
-    pub fn below(&mut self, n: usize) -> usize {
-        (self.next() % n as u64) as usize
-    }
-
-    pub fn point(&mut self) -> [f32; 3] {
-        [self.unit(), self.unit(), self.unit()]
-    }
 }
 
 /// Random triangles of mixed sizes in a cube of edge `scale` at `offset`.
@@ -235,4 +204,38 @@ pub fn hard_rays(mesh: &TriangleMesh, count: usize, seed: u64) -> Vec<Ray> {
         rays.push(ray);
     }
     rays
+}
+
+/// What holds for every tree: counts, sizes and histograms agree with each other and with the mesh.
+pub fn check_invariants(scene: &str, variant: &str, tree: &KdTree) {
+    let (s, m, mesh) = (tree.statistics(), tree.memory(), tree.mesh());
+    let context = format!("{scene}, {variant}");
+    let r = &s.leaf_references;
+    // The slides' size formula.
+    let plain = 8 * (s.nodes.inner + s.nodes.t_inner + s.nodes.leaf)
+        + 8 * s.nodes.t_inner
+        + 4 * r.four_byte
+        + 2 * r.two_byte;
+    if r.other == 0 {
+        assert_eq!(m.tree(), plain, "{context}");
+    } else {
+        // 4 bytes an inner node, at most 8 a leaf's header, at most 5 a further reference, 8 behind the end.
+        let least = 4 * s.nodes.inner + s.nodes.leaf + 8;
+        assert!(
+            (least..=least + 4 * s.nodes.inner + 7 * s.nodes.leaf + 5 * r.other).contains(&m.tree()),
+            "{context}"
+        );
+    }
+    assert_eq!(m.resident(), m.tree() + mesh.memory_bytes(), "{context}");
+    assert_eq!(s.nodes.leaf, s.nodes.inner + s.nodes.t_inner + 1, "{context}");
+    assert_eq!(s.t_references, s.nodes.t_inner, "{context}");
+    assert_eq!(s.triangles, mesh.len() as u64, "{context}");
+    assert_eq!(s.duplication[0], 0, "{context}: a triangle is lost");
+    assert_eq!(s.duplication.iter().sum::<u64>(), s.triangles - s.degenerate, "{context}");
+    assert_eq!(s.leaf_depths.iter().sum::<u64>(), s.nodes.leaf, "{context}");
+    assert_eq!(s.leaf_depths.len(), s.max_depth as usize + 1, "{context}");
+    assert!(s.leaf_depths[s.max_depth as usize] > 0, "{context}");
+    assert!(s.nodes.empty_leaf < s.nodes.leaf, "{context}");
+    assert!(s.references() >= s.triangles - s.degenerate, "{context}");
+    assert!(s.sah_cost.is_finite() && s.sah_cost > 0.0, "{context}");
 }

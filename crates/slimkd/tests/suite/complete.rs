@@ -119,7 +119,7 @@ fn what_is_proved_complete_answers_right() {
                     let mut forged = bytes.clone();
                     for _ in 0..1 + round % 2 {
                         let at = section.range.start + rng.below(section.range.len());
-                        forged[at] = [forged[at] ^ (1 << rng.below(8)), rng.next() as u8][rng.below(2)];
+                        forged[at] = [forged[at] ^ (1 << rng.below(8)), rng.bits() as u8][rng.below(2)];
                     }
                     crate::skd::sign(&mut forged);
                     let Ok(tree) = KdTree::read(&mut &forged[..]) else { continue };

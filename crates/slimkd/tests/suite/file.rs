@@ -120,7 +120,7 @@ fn damage_with_the_right_checksums_is_an_error_or_harmless_but_never_a_panic() {
                 for _ in 0..1 + round % 3 {
                     let at = section.range.start + rng.below(section.range.len());
                     damaged[at] =
-                        [damaged[at] ^ (1 << rng.below(8)), 0, 0xff, rng.next() as u8][rng.below(4)];
+                        [damaged[at] ^ (1 << rng.below(8)), 0, 0xff, rng.bits() as u8][rng.below(4)];
                 }
                 crate::skd::sign(&mut damaged);
                 match KdTree::read(&mut &damaged[..]) {

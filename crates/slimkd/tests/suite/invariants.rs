@@ -1,6 +1,6 @@
 //! What every tree must satisfy, whatever the scene.
 
-use crate::common::{soup, sphere, variants};
+use crate::common::{check_invariants, soup, sphere, variants};
 use slimkd::{BuildOptions, KdTree, Preset, TreeStatistics, TriangleMesh};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -21,40 +21,9 @@ fn sizes_counts_and_histograms_agree() {
         let mesh = Arc::new(mesh);
         for (variant, options) in variants() {
             let tree = KdTree::build(Arc::clone(&mesh), &options).unwrap();
-            let (s, m) = (tree.statistics(), tree.memory());
-            let context = format!("{name}, {variant}");
-            // The slides' size formula.
-            let r = &s.leaf_references;
-            let plain = 8 * (s.nodes.inner + s.nodes.t_inner + s.nodes.leaf)
-                + 8 * s.nodes.t_inner
-                + 4 * r.four_byte
-                + 2 * r.two_byte;
-            if r.other == 0 {
-                assert_eq!(m.tree(), plain, "{context}");
-            } else {
-                // 4 bytes an inner node, at most 8 a leaf's header, at most 5 a further reference, 8 behind the end.
-                let least = 4 * s.nodes.inner + s.nodes.leaf + 8;
-                let most = least + 4 * s.nodes.inner + 7 * s.nodes.leaf + 5 * r.other;
-                assert!((least..=most).contains(&m.tree()), "{context}");
-            }
-            assert_eq!(
-                m.resident(),
-                m.tree() + 12 * (mesh.vertices().len() + mesh.len()) as u64,
-                "{context}"
-            );
-            assert_eq!(s.nodes.leaf, s.nodes.inner + s.nodes.t_inner + 1, "{context}");
-            assert_eq!(s.t_references, s.nodes.t_inner, "{context}");
-            assert_eq!(s.duplication[0], 0, "{context}: a triangle is lost");
-            assert_eq!(s.duplication.iter().sum::<u64>(), s.triangles - s.degenerate, "{context}");
-            assert_eq!(s.leaf_depths.iter().sum::<u64>(), s.nodes.leaf, "{context}");
-            assert_eq!(s.leaf_depths.len(), s.max_depth as usize + 1, "{context}");
-            assert!(s.leaf_depths[s.max_depth as usize] > 0, "{context}");
-            assert!(s.nodes.empty_leaf < s.nodes.leaf, "{context}");
-            assert_eq!(
-                s.degenerate,
-                if name == "soup with degenerate triangles" { 4 } else { 0 },
-                "{context}"
-            );
+            check_invariants(name, &variant, &tree);
+            let degenerate = if name == "soup with degenerate triangles" { 4 } else { 0 };
+            assert_eq!(tree.statistics().degenerate, degenerate, "{name}, {variant}");
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Arrows point down: a room of the library uses only itself and the rooms below it.
 
-use std::collections::BTreeSet;
+use crate::common::layers::{assert_arrows_point_down, rooms_of_page};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The rooms of `src`, lowest first, as `ARCHITECTURE.md` lists them.
 const ROOMS: [&str; 13] = [
@@ -21,56 +21,9 @@ const ROOMS: [&str; 13] = [
     "file",
 ];
 
-fn sources(folder: &Path, out: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            sources(&path, out);
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            out.push(path);
-        }
-    }
-}
-
-/// The code of a file: without comments, since documentation may point anywhere.
-fn code(text: &str) -> String {
-    text.lines().map(|line| line.split("//").next().unwrap_or("")).collect::<Vec<_>>().join("\n")
-}
-
-/// The rooms that code names by `crate::room` or `$crate::room`.
-fn used(code: &str) -> BTreeSet<&str> {
-    let names = code.split("crate::").skip(1);
-    names.map(|rest| rest.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap_or("")).collect()
-}
-
 #[test]
 fn arrows_point_down() {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut files = Vec::new();
-    sources(&src, &mut files);
-    let (mut upward, mut seen) = (Vec::new(), BTreeSet::new());
-    for file in files {
-        let inside = file.strip_prefix(&src).unwrap();
-        let room = inside.components().next().unwrap().as_os_str().to_str().unwrap().trim_end_matches(".rs");
-        if room == "lib" {
-            continue;
-        }
-        let floor = ROOMS.iter().position(|name| *name == room);
-        let floor =
-            floor.unwrap_or_else(|| panic!("{room} is no room: add it to this list and to ARCHITECTURE.md"));
-        seen.insert(room.to_owned());
-        let text = fs::read_to_string(&file).unwrap();
-        for name in used(&code(&text)) {
-            match ROOMS.iter().position(|other| *other == name) {
-                Some(other) if other > floor => upward.push(format!("{}: uses {name}", inside.display())),
-                Some(_) => {}
-                // A re-export of the root hides which room it is from.
-                None => upward.push(format!("{}: names crate::{name}, which is no room", inside.display())),
-            }
-        }
-    }
-    assert_eq!(seen.len(), ROOMS.len(), "a room of the list has no file");
-    assert!(upward.is_empty(), "arrows that point up:\n{}", upward.join("\n"));
+    assert_arrows_point_down(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &ROOMS);
 }
 
 /// `ARCHITECTURE.md` names every room, in this order, and no file of its walk is missing.
@@ -78,15 +31,7 @@ fn arrows_point_down() {
 fn the_architecture_page_is_up_to_date() {
     let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let page = fs::read_to_string(crates.join("../ARCHITECTURE.md")).unwrap();
-    let rooms: Vec<_> = page
-        .lines()
-        .skip_while(|line| !line.starts_with("| room |"))
-        .skip(2)
-        .map_while(|line| {
-            line.strip_prefix("| `")?.split_once('`').map(|(name, _)| name.trim_end_matches('/'))
-        })
-        .collect();
-    assert_eq!(rooms, ROOMS);
+    assert_eq!(rooms_of_page(&page, "room", "## Inside `slimkd`: rooms, lowest floor first"), ROOMS);
     let walk = page.lines().skip_while(|line| !line.starts_with("| step |")).skip(2);
     let mut files = 0;
     for line in walk.take_while(|line| line.starts_with('|')) {

@@ -91,7 +91,7 @@ fn whatever_the_arrays_hold_a_query_ends() {
                 for _ in 0..1 + round % 5 {
                     let at = section.range.start + rng.below(section.range.len());
                     damaged[at] =
-                        [damaged[at] ^ (1 << rng.below(8)), 0, 0xff, rng.next() as u8][rng.below(4)];
+                        [damaged[at] ^ (1 << rng.below(8)), 0, 0xff, rng.bits() as u8][rng.below(4)];
                 }
                 crate::skd::sign(&mut damaged);
                 let Ok(open) = OpenTree::open(&damaged[..]) else {

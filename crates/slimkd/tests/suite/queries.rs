@@ -179,7 +179,7 @@ fn refined_hits_are_exact_to_the_last_bits() {
     let mut rng = Rng::new(2);
     let mut checked = 0;
     while checked < 20_000 {
-        let mut grid = || std::array::from_fn::<i128, 3, _>(|_| i128::from(rng.next() as i32 >> 9));
+        let mut grid = || std::array::from_fn::<i128, 3, _>(|_| i128::from(rng.bits() as i32 >> 9));
         let (o, d) = (grid(), grid());
         // A thin triangle in a third of all cases.
         let a = grid();

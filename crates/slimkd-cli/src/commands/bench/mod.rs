@@ -1,19 +1,20 @@
 //! `slimkd bench`: rates of the presets on one scene, measured in turns within one run.
 
-mod report;
-mod runner;
+mod table;
 
-use crate::args::{CameraArgs, SceneArgs, Size, TuningArgs, preset, threads, within};
-use crate::device::{self, Choice, Device};
+use crate::args::{CameraArgs, MoreScenes, SceneArgs, Size, TuningArgs, preset, threads, within};
+use crate::device::{self, Choice, Device, Pictures, Traces};
 use crate::failure::Failure;
 use crate::trees::Tree;
-use crate::ui::Ui;
+use crate::ui::{Ui, grouped};
 use crate::{cameras, scenes, trees, ui};
 use clap::Args;
-use report::Report;
-use runner::{Bench, Steps};
 use slimkd::Preset;
-use slimkd_lab::measure::rates::{Kernel, MOST_RAYS};
+use slimkd_lab::measure::rates::{Kernel, MOST_RAYS, Named, Rates, RayDevice};
+use slimkd_lab::measure::{self, Cpu};
+use slimkd_lab::schema::RatesReport;
+use slimkd_lab::{Progress, ReportError};
+use slimkd_render::views::VIEWS;
 use std::num::NonZeroUsize;
 
 const EXAMPLES: &str = "\
@@ -40,6 +41,8 @@ Rates are medians; compare them within one run only.";
 pub(crate) struct BenchArgs {
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    more: MoreScenes,
     /// The presets to compare; all unless given
     #[arg(long, value_name = "a,b,...", value_delimiter = ',', value_parser = preset())]
     presets: Vec<Preset>,
@@ -83,40 +86,59 @@ pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
         choice.check(args.kernel)?;
         devices.push((choice, device::open(choice, ui)?));
     }
-    let mut loaded = scenes::load(&args.scene.scene, &args.scene.details, ui)?;
+    let mut loaded = scenes::load_all(&args.scene.scene, &args.more.more, &args.scene.details, ui)?;
     cameras::settle_up(&args.camera, &mut loaded.scene);
     let built = contenders(args, &mut loaded, ui)?;
     let scene = &loaded.scene;
-    trees::warn_of_degenerate(&built[0].1.statistics, ui);
-    let views = cameras::choose(&args.camera, &loaded, &built[0].1.tree, cameras::VIEWS)?;
+    trees::warn_of_degenerate(&built[0].1, ui)?;
+    let views = cameras::choose(&args.camera, &loaded, &built[0].1.tree, VIEWS)?;
+    let trees: Vec<Named<'_>> = built.iter().map(|(preset, tree)| (preset.name(), &tree.tree)).collect();
     let mut counts = args.threads.clone();
     counts.dedup();
-    let mut report = Report::default();
+    let mut report = RatesReport::default();
+    let failed = |error| match error {
+        ReportError::Cancelled => Failure::Interrupted,
+        ReportError::Camera(error) => {
+            Failure::work(format_args!("{}: {error} (--camera, --up)", loaded.place))
+        }
+        error => Failure::work(error),
+    };
+    let compared = |workload: &str, rays: usize, per_cent: f64, alike: &str| {
+        let rays = grouped(rays as u64);
+        ui.note(format_args!("{workload}: {rays} rays, {per_cent:.1} % hit, {alike}"));
+    };
     let mut measure = |threads: usize, device: Option<&dyn Device>| -> Result<(), Failure> {
-        let bench = Bench {
-            place: &loaded.place,
+        let traces = device.map(Traces);
+        let rates = Rates {
             scene,
-            trees: built.iter().map(|(preset, tree)| (preset.name(), &tree.tree)).collect(),
-            views: views.clone(),
-            pool: trees::pool(threads)?,
+            trees: &trees,
+            views: &views,
+            pool: &trees::pool(threads)?,
             kernel: args.kernel,
-            device,
+            device: traces.as_ref().map(|device| device as &dyn RayDevice),
             rounds: args.rounds as usize,
             rays: args.rays,
-            size: args.size,
         };
-        let steps = Steps::default();
-        report.results.extend(ui.watch("trace", &steps, || bench.rates(&steps, ui))?);
+        let progress = Progress::new();
+        let results = ui.watch("trace", &progress, || rates.measure(&progress, &compared));
+        report.results.extend(results.map_err(failed)?);
         if args.frames {
-            let steps = Steps::default();
-            let frames = ui.watch("frames", &steps, || bench.frames(&steps))?;
-            report.frames.get_or_insert_default().extend(frames);
+            let device: Box<dyn measure::Device + '_> = match device {
+                Some(device) => Box::new(Pictures { device, optional: false }),
+                None => Box::new(Cpu::new(threads).map_err(failed)?),
+            };
+            let size = [args.size.width, args.size.height];
+            let progress = Progress::new();
+            let frames = ui.watch("frames", &progress, || rates.frames(device.as_ref(), size, &progress));
+            report.frames.get_or_insert_default().extend(frames.map_err(failed)?);
         }
         Ok(())
     };
     for (choice, device) in &devices {
         let takes_all = |device: &dyn Device| {
-            built.iter().try_for_each(|(_, tree)| device.scene(scene, &tree.tree).map(drop))
+            built.iter().try_for_each(|(_, tree)| {
+                device.scene(scene, &tree.tree).map(drop).map_err(|error| error.to_string())
+            })
         };
         let device = match device.as_deref() {
             Some(device) if *choice == Choice::Auto => choice.or_cpu(takes_all(device), ui)?.map(|()| device),
@@ -127,7 +149,7 @@ pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
             None => counts.iter().try_for_each(|threads| measure(threads.get(), None))?,
         }
     }
-    if args.json { ui::print_json(&report) } else { ui::print(&report.table(args.size)) }
+    if args.json { ui::print_json(&report) } else { ui::print(&table::table(&report, args.size)) }
 }
 
 /// The trees to compare. A saved one stands for its preset; beside it there are those that were asked for.

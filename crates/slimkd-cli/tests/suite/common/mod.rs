@@ -1,6 +1,9 @@
 //! Running the tool, and small scenes for it.
 #![allow(dead_code, unreachable_pub)] // each test file uses its share
 
+mod keys;
+
+pub use keys::{keys, set};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -99,34 +102,6 @@ pub fn ply(vertices: &[&str], faces: &[&str]) -> String {
 /// A square of two triangles at z = 0, from (0, 0) to (1, 1).
 pub fn square() -> String {
     ply(&["0 0 0", "1 0 0", "1 1 0", "0 1 0"], &["3 0 1 2", "3 0 2 3"])
-}
-
-/// All keys of a JSON value, those of nested objects behind a dot, those of lists' elements behind `[]`.
-pub fn keys(value: &serde_json::Value) -> BTreeSet<String> {
-    fn walk(prefix: &str, value: &serde_json::Value, out: &mut BTreeSet<String>) {
-        match value {
-            serde_json::Value::Object(map) => {
-                for (key, value) in map {
-                    let path = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
-                    walk(&path, value, out);
-                }
-            }
-            serde_json::Value::Array(list) => {
-                list.iter().for_each(|value| walk(&format!("{prefix}[]"), value, out));
-            }
-            _ => {
-                out.insert(prefix.to_owned());
-            }
-        }
-    }
-    let mut out = BTreeSet::new();
-    walk("", value, &mut out);
-    out
-}
-
-/// The set of these keys.
-pub fn set(keys: &str) -> BTreeSet<String> {
-    keys.split_whitespace().map(str::to_owned).collect()
 }
 
 /// Writes rays as the tool reads them.

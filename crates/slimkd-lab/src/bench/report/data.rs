@@ -5,6 +5,7 @@ use crate::basics::median::{median, speed_ratios};
 use crate::bench::agree::Agreement;
 use crate::bench::built::{Bytes, Interface};
 use crate::bench::peers::{EMBREE, STANDARD};
+use crate::schema::PeerPoint as Point;
 use crate::workload::Kind;
 use crate::workload::view::View;
 use serde::{Deserialize, Serialize};
@@ -269,55 +270,31 @@ impl Measurement {
     }
 }
 
-/// Where a contender stands in the plane of size and time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Point {
-    /// The contender's name.
-    pub name: String,
-    /// How rays were handed over.
-    pub interface: String,
-    /// Threads that traced.
-    pub threads: usize,
-    /// Everything added to the bare mesh.
-    pub bytes_tree: u64,
-    /// Everything that must stay in memory.
-    pub bytes_resident: u64,
-    /// Million rays a second by workload.
-    pub mrays: BTreeMap<String, f64>,
-    /// Times as fast as slimkd's `standard` by workload.
-    pub ratio_to_standard: BTreeMap<String, f64>,
-    /// Its hits are not trustworthy.
-    pub marked: bool,
-}
-
-impl Point {
-    /// All points of a run.
-    pub fn all(contenders: &[ContenderReport], measurements: &[Measurement]) -> Vec<Self> {
-        let mut points: Vec<Self> = Vec::new();
-        for m in measurements {
-            let Some(contender) = contenders.iter().find(|c| c.name == m.contender) else { continue };
-            let same =
-                |p: &Self| p.name == m.contender && p.interface == m.interface && p.threads == m.threads;
-            let index = points.iter().position(same).unwrap_or_else(|| {
-                points.push(Self {
-                    name: m.contender.clone(),
-                    interface: m.interface.clone(),
-                    threads: m.threads,
-                    bytes_tree: contender.bytes.tree,
-                    bytes_resident: contender.bytes.resident,
-                    mrays: BTreeMap::new(),
-                    ratio_to_standard: BTreeMap::new(),
-                    marked: contender.marked,
-                });
-                points.len() - 1
+/// All points of a run.
+pub fn points(contenders: &[ContenderReport], measurements: &[Measurement]) -> Vec<Point> {
+    let mut points: Vec<Point> = Vec::new();
+    for m in measurements {
+        let Some(contender) = contenders.iter().find(|c| c.name == m.contender) else { continue };
+        let same = |p: &Point| p.name == m.contender && p.interface == m.interface && p.threads == m.threads;
+        let index = points.iter().position(same).unwrap_or_else(|| {
+            points.push(Point {
+                name: m.contender.clone(),
+                interface: m.interface.clone(),
+                threads: m.threads,
+                bytes_tree: contender.bytes.tree,
+                bytes_resident: contender.bytes.resident,
+                mrays: BTreeMap::new(),
+                ratio_to_standard: BTreeMap::new(),
+                marked: contender.marked,
             });
-            points[index].mrays.insert(m.workload.clone(), m.mrays_per_s);
-            if let Some(ratio) = m.ratio_to_standard {
-                points[index].ratio_to_standard.insert(m.workload.clone(), ratio);
-            }
+            points.len() - 1
+        });
+        points[index].mrays.insert(m.workload.clone(), m.mrays_per_s);
+        if let Some(ratio) = m.ratio_to_standard {
+            points[index].ratio_to_standard.insert(m.workload.clone(), ratio);
         }
-        points
     }
+    points
 }
 
 #[cfg(test)]

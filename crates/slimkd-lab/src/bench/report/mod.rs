@@ -4,7 +4,7 @@ mod data;
 mod table;
 
 pub use data::{
-    Build, ByteReport, ContenderReport, Measurement, Point, Report, SCHEMA, SceneReport, Settings, Skipped,
-    WorkloadAgreement, WorkloadReport,
+    Build, ByteReport, ContenderReport, Measurement, Report, SCHEMA, SceneReport, Settings, Skipped,
+    WorkloadAgreement, WorkloadReport, points,
 };
 pub use table::table;

@@ -1,7 +1,7 @@
 //! Rates of trees that must agree: every answer is compared before the clock runs, then the trees take turns.
 
-use super::{Kernel, Named, RayTracer, Watch};
-use crate::ReportError;
+use super::{Kernel, Named, RayTracer};
+use crate::basics::{Progress, ReportError};
 use crate::workload::{Found, Workload};
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -29,7 +29,7 @@ impl Answers {
     /// Traces `rays`, in the pool's threads; the seconds that it took. Fails when it is cancelled only.
     pub(super) fn trace(
         &mut self,
-        watch: &dyn Watch,
+        progress: &Progress,
         pool: &ThreadPool,
         tree: &KdTree,
         rays: &[Ray],
@@ -38,22 +38,22 @@ impl Answers {
         let kernel = self.kernel;
         if any {
             self.any.resize(rays.len(), false);
-            time(watch, pool, rays, &mut self.any, |rays, hits| kernel.any(tree, rays, hits))
+            time(progress, pool, rays, &mut self.any, |rays, hits| kernel.any(tree, rays, hits))
         } else {
             self.closest.resize(rays.len(), None);
-            time(watch, pool, rays, &mut self.closest, |rays, hits| kernel.closest(tree, rays, hits))
+            time(progress, pool, rays, &mut self.closest, |rays, hits| kernel.closest(tree, rays, hits))
         }
     }
 
     /// The same on a device; the seconds of its kernels.
     pub(super) fn trace_on(
         &mut self,
-        watch: &dyn Watch,
+        progress: &Progress,
         device: &dyn RayTracer,
         rays: &[Ray],
         any: bool,
     ) -> Result<f64, ReportError> {
-        check(watch)?;
+        progress.check()?;
         if any {
             self.any.resize(rays.len(), false);
             device.any(rays, &mut self.any)
@@ -95,12 +95,8 @@ impl Answers {
     }
 }
 
-fn check(watch: &dyn Watch) -> Result<(), ReportError> {
-    if watch.is_cancelled() { Err(ReportError::Cancelled) } else { Ok(()) }
-}
-
 fn time<T: Send>(
-    watch: &dyn Watch,
+    progress: &Progress,
     pool: &ThreadPool,
     rays: &[Ray],
     hits: &mut [T],
@@ -111,20 +107,20 @@ fn time<T: Send>(
     pool.install(|| {
         chunks.for_each(|(rays, hits)| {
             // One relaxed load in a thousand rays costs nothing, and whoever cancels need not wait for the rest.
-            if !watch.is_cancelled() {
+            if !progress.is_cancelled() {
                 trace(rays, hits);
             }
         });
     });
     let seconds = started.elapsed().as_secs_f64();
-    check(watch)?;
+    progress.check()?;
     Ok(seconds)
 }
 
 /// Compares a device's answers to a workload with those of the CPU: the same but for what the device may err by. How many of its
 /// rays hit.
 pub(super) fn agree_with_cpu(
-    watch: &dyn Watch,
+    progress: &Progress,
     pool: &ThreadPool,
     tree: &KdTree,
     devices: &[Box<dyn RayTracer + '_>],
@@ -132,10 +128,10 @@ pub(super) fn agree_with_cpu(
 ) -> Result<usize, ReportError> {
     let (mut cpu, mut other) = (Answers::default(), Answers::default());
     let (name, any, rays) = (workload.kind.name(), workload.kind.is_any(), &workload.rays);
-    cpu.trace(watch, pool, tree, rays, false)?;
+    cpu.trace(progress, pool, tree, rays, false)?;
     let bounds = tree.bounds();
     for device in devices {
-        other.trace_on(watch, device.as_ref(), rays, any)?;
+        other.trace_on(progress, device.as_ref(), rays, any)?;
         let wrong = (0..rays.len()).find(|&index| {
             let (ray, wanted) = (&rays[index], cpu.closest[index]);
             let bound = |t: f32| device.t_bound(ray, &bounds, t);
@@ -170,7 +166,7 @@ pub(super) fn agree_with_cpu(
 /// Compares the answers of all trees, traced by `kernel`, to a workload with those of the first one ray by ray; how many
 /// rays hit.
 pub(super) fn agree(
-    watch: &dyn Watch,
+    progress: &Progress,
     pool: &ThreadPool,
     trees: &[Named<'_>],
     kernel: Kernel,
@@ -178,12 +174,12 @@ pub(super) fn agree(
 ) -> Result<usize, ReportError> {
     let (mut first, mut other) = (Answers::default(), Answers::with(kernel));
     let (name, any, rays) = (workload.kind.name(), workload.kind.is_any(), &workload.rays);
-    first.trace(watch, pool, trees[0].1, rays, any)?;
+    first.trace(progress, pool, trees[0].1, rays, any)?;
     for (index, (preset, tree)) in trees.iter().enumerate() {
         if index == 0 && kernel == Kernel::Single {
             continue;
         }
-        other.trace(watch, pool, tree, rays, any)?;
+        other.trace(progress, pool, tree, rays, any)?;
         if let Some(ray) = first.difference(&other, any) {
             return Err(ReportError::Answers(format!(
                 "{preset} and {} answer {name} ray {ray} differently ({} and {}), so no rate is reported; \
@@ -204,10 +200,6 @@ mod tests {
     use crate::workload::Kind;
     use slimkd::{BuildOptions, TriangleMesh};
 
-    struct Silent;
-
-    impl Watch for Silent {}
-
     fn tree(height: f32) -> KdTree {
         let vertices = vec![[0.0, 0.0, height], [1.0, 0.0, height], [0.0, 1.0, height]];
         KdTree::build(TriangleMesh::new(vertices, vec![[0, 1, 2]]).unwrap(), &BuildOptions::default())
@@ -224,14 +216,22 @@ mod tests {
         let (a, b, c) = (tree(0.0), tree(0.0), tree(1.0));
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
         for (any, kernel) in [(false, Kernel::Single), (true, Kernel::Packet), (false, Kernel::Packet)] {
-            let hits = agree(&Silent, &pool, &[("a", &a), ("b", &b)], kernel, &workload(any)).unwrap();
+            let hits =
+                agree(&Progress::new(), &pool, &[("a", &a), ("b", &b)], kernel, &workload(any)).unwrap();
             assert!((79..=82).contains(&hits), "{hits}");
         }
-        let failure =
-            agree(&Silent, &pool, &[("a", &a), ("b", &b), ("c", &c)], Kernel::Single, &workload(false))
-                .unwrap_err();
+        let failure = agree(
+            &Progress::new(),
+            &pool,
+            &[("a", &a), ("b", &b), ("c", &c)],
+            Kernel::Single,
+            &workload(false),
+        )
+        .unwrap_err();
         assert!(failure.to_string().starts_with("c and a answer primary ray 0 differently"), "{failure}");
         // Whether there is a hit is the same in both.
-        assert!(agree(&Silent, &pool, &[("a", &a), ("c", &c)], Kernel::Packet, &workload(true)).is_ok());
+        assert!(
+            agree(&Progress::new(), &pool, &[("a", &a), ("c", &c)], Kernel::Packet, &workload(true)).is_ok()
+        );
     }
 }

@@ -44,6 +44,13 @@ pub(super) struct Series {
     pub(super) points: Vec<(f64, Number)>,
 }
 
+impl Series {
+    /// Marks on a line, measured here.
+    pub(super) fn line(name: impl Into<String>, colour: usize, points: Vec<(f64, Number)>) -> Self {
+        Self { name: name.into(), colour, published: false, connected: true, marked: true, points }
+    }
+}
+
 /// The `svg` element; `unit` follows a point's value in its words.
 pub(super) fn chart(label: &str, x: &Axis, y: &Axis, series: &[Series], unit: &str) -> String {
     let mut svg = Svg::new();

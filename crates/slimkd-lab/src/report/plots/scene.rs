@@ -4,7 +4,7 @@ use super::bars::{Bar, bars};
 use super::chart::{Axis, Series, chart};
 use super::{Figure, frontier};
 use crate::basics::number::{Json, Number};
-use crate::report::tables::{METHODS, MIB, SceneJson, effects, grouped};
+use crate::report::tables::{METHODS, MIB, SceneJson, effects, grouped, interval};
 
 /// A preset's colour wherever it appears.
 fn colour(preset: &str) -> usize {
@@ -18,13 +18,25 @@ fn figure(id: String, title: &str, note: String, svg: String) -> Figure {
     Figure { id, title: title.to_owned(), note, svg }
 }
 
+/// The parts of a tree's bytes, with their colours.
+const PARTS: [(&str, usize); 4] = [("nodes", 2), ("T-references", 6), ("indices", 4), ("other", 5)];
+
+/// Bytes a triangle of those parts, and of all, of the tree whose bytes are at `pointer`.
+fn bytes_a_triangle(scene: &SceneJson<'_>, pointer: &str) -> (Vec<Number>, Number) {
+    let part = |key: &str| scene.number(&format!("{pointer}/{key}")) / scene.number("/triangles");
+    (["nodes", "t_references", "indices", "other"].map(part).to_vec(), part("tree"))
+}
+
+/// A series for each of the scene's trees, which `points` has the points of.
+fn of_trees(scene: &SceneJson<'_>, points: impl Fn(usize) -> Vec<(f64, Number)>) -> Vec<Series> {
+    let trees = scene.trees().into_iter().enumerate();
+    trees.map(|(tree, name)| Series::line(name, colour(name), points(tree))).collect()
+}
+
 /// Bytes a triangle by part, of every preset.
 pub fn sizes(scene: &SceneJson<'_>) -> Figure {
-    let triangles = scene.number("/triangles");
     let own = scene.trees().into_iter().enumerate().map(|(index, name)| {
-        let part = |key: &str| scene.tree(index, &format!("/shape/bytes/{key}")) / triangles.clone();
-        let total = part("tree");
-        let parts = vec![part("nodes"), part("t_references"), part("indices"), part("other")];
+        let (parts, total) = bytes_a_triangle(scene, &format!("/trees/{index}/shape/bytes"));
         let saved = scene.tree(index, "/shape/bytes/tree").saved_of(&scene.tree(0, "/shape/bytes/tree"));
         let saved = if index > 0 { format!(" (−{} %)", grouped(saved.value, 0)) } else { String::new() };
         Bar {
@@ -48,8 +60,7 @@ pub fn sizes(scene: &SceneJson<'_>) -> Figure {
         let name = format!("{preset}, published");
         all.push(Bar { name, published: true, parts: vec![nodes, 0.0.into(), indices], remark });
     }
-    let parts = [("nodes", 2), ("T-references", 6), ("indices", 4), ("other", 5)];
-    let svg = bars("Bytes a triangle of every tree, by part", "tree, bytes a triangle", &parts, &all);
+    let svg = bars("Bytes a triangle of every tree, by part", "tree, bytes a triangle", &PARTS, &all);
     let mut note = "What the tree adds to the indexed mesh.".to_owned();
     if scene.published().is_some() {
         note.push_str(&format!(
@@ -73,21 +84,14 @@ pub fn sizes_of_all(json: Json<'_>) -> Figure {
     }
     let series: Vec<_> = presets
         .into_iter()
-        .map(|preset| Series {
-            name: preset.to_owned(),
-            colour: colour(preset),
-            published: false,
-            connected: false,
-            marked: true,
-            points: scenes
-                .iter()
-                .enumerate()
-                .filter_map(|(index, scene)| {
-                    let tree = scene.trees().into_iter().position(|name| name == preset)?;
-                    let bytes = scene.tree(tree, "/shape/bytes/tree") / scene.number("/triangles");
-                    Some((index as f64, bytes))
-                })
-                .collect(),
+        .map(|preset| {
+            let point = |(index, scene): (usize, &SceneJson<'_>)| {
+                let tree = scene.trees().into_iter().position(|name| name == preset)?;
+                let bytes = scene.tree(tree, "/shape/bytes/tree") / scene.number("/triangles");
+                Some((index as f64, bytes))
+            };
+            let points = scenes.iter().enumerate().filter_map(point).collect();
+            Series { connected: false, ..Series::line(preset, colour(preset), points) }
         })
         .collect();
     let (x, y) = (Axis::named("scene", names), Axis::log("tree, bytes a triangle"));
@@ -102,48 +106,20 @@ pub fn duplication(scene: &SceneJson<'_>) -> Figure {
     // Fewest references first.
     let order: Vec<usize> = (0..rows.len()).rev().collect();
     let names = order.iter().map(|&row| {
-        let (from, to) = (rows[row]["from"].as_u64().unwrap_or(0), rows[row]["to"].as_u64().unwrap_or(0));
-        if to >= u64::from(u32::MAX) {
-            format!("over {}", grouped(from as f64 - 1.0, 0))
-        } else {
-            format!("{}–{}", grouped(from as f64, 0), grouped(to as f64, 0))
-        }
+        let end = |key: &str| rows[row][key].as_u64().unwrap_or(0);
+        interval(end("from"), end("to"))
     });
     let names: Vec<_> = names.collect();
-    let mut series: Vec<_> = scene
-        .trees()
-        .into_iter()
-        .enumerate()
-        .map(|(tree, name)| Series {
-            name: name.to_owned(),
-            colour: colour(name),
-            published: false,
-            connected: true,
-            marked: true,
-            points: order
-                .iter()
-                .enumerate()
-                .map(|(at, row)| (at as f64, scene.tree(tree, &format!("/longest_edges/{row}/triangles"))))
-                .collect(),
-        })
-        .collect();
+    let points = |number: &dyn Fn(usize) -> Number| -> Vec<_> {
+        order.iter().enumerate().map(|(at, &row)| (at as f64, number(row))).collect()
+    };
+    let mut series =
+        of_trees(scene, |tree| points(&|row| scene.tree(tree, &format!("/longest_edges/{row}/triangles"))));
     if scene.published().is_some() {
         let column = scene.published_column();
-        series.push(Series {
-            name: format!("standard, {}", scene.published_label()),
-            colour: 0,
-            published: true,
-            connected: true,
-            marked: true,
-            points: order
-                .iter()
-                .enumerate()
-                .map(|(at, row)| {
-                    let pointer = format!("/published/longest_edges/{row}/{column}_triangles");
-                    (at as f64, scene.json.number(&pointer))
-                })
-                .collect(),
-        });
+        let name = format!("standard, {}", scene.published_label());
+        let number = |row| scene.json.number(&format!("/published/longest_edges/{row}/{column}_triangles"));
+        series.push(Series { published: true, ..Series::line(name, 0, points(&number)) });
     }
     let (x, y) = (Axis::named("references to a triangle", names), Axis::log("triangles"));
     let svg = chart("Triangles by number of references", &x, &y, &series, "triangles");
@@ -153,24 +129,12 @@ pub fn duplication(scene: &SceneJson<'_>) -> Figure {
 
 /// Leaves by depth.
 pub fn depths(scene: &SceneJson<'_>) -> Figure {
-    let series: Vec<_> = scene
-        .trees()
-        .into_iter()
-        .enumerate()
-        .map(|(tree, name)| {
-            let leaves = scene.json.list(&scene.at(&format!("/trees/{tree}/leaf_depths"))).len();
-            Series {
-                name: name.to_owned(),
-                colour: colour(name),
-                published: false,
-                connected: true,
-                marked: leaves < 12,
-                points: (0..leaves)
-                    .map(|depth| (depth as f64, scene.tree(tree, &format!("/leaf_depths/{depth}"))))
-                    .collect(),
-            }
-        })
-        .collect();
+    let mut series = of_trees(scene, |tree| {
+        let leaves = scene.json.list(&scene.at(&format!("/trees/{tree}/leaf_depths"))).len();
+        (0..leaves).map(|depth| (depth as f64, scene.tree(tree, &format!("/leaf_depths/{depth}")))).collect()
+    });
+    // Many marks would hide the line.
+    series.iter_mut().for_each(|series| series.marked = series.points.len() < 12);
     let (x, y) = (Axis::linear("depth of a leaf", Some(0.0)), Axis::linear("leaves", Some(0.0)));
     let svg = chart("Leaves by depth", &x, &y, &series, "leaves");
     let note = "Smaller trees are less deep, and their leaves lie higher.".to_owned();
@@ -185,26 +149,15 @@ pub fn frames(scene: &SceneJson<'_>) -> Figure {
         format!("view {}, {on}", unit["view"])
     });
     let names = names.collect();
-    let series: Vec<_> = scene
-        .trees()
-        .into_iter()
-        .enumerate()
-        .map(|(tree, name)| Series {
-            name: name.to_owned(),
-            colour: colour(name),
-            published: false,
-            connected: false,
-            marked: true,
-            points: (0..units.len())
-                .map(|unit| {
-                    let median = |tree: usize| {
-                        scene.json.median(&scene.at(&format!("/frames/{unit}/presets/{tree}/seconds")))
-                    };
-                    (unit as f64, Number::from(100.0) * median(0) / median(tree))
-                })
-                .collect(),
-        })
-        .collect();
+    let mut series = of_trees(scene, |tree| {
+        let relative = |unit: usize| {
+            let median =
+                |tree: usize| scene.json.median(&scene.at(&format!("/frames/{unit}/presets/{tree}/seconds")));
+            (unit as f64, Number::from(100.0) * median(0) / median(tree))
+        };
+        (0..units.len()).map(relative).collect()
+    });
+    series.iter_mut().for_each(|series| series.connected = false);
     let x = Axis::named("view and device", names);
     let y = Axis::linear("frame rate, % of standard", Some(100.0));
     let svg = chart("Frame rate relative to standard", &x, &y, &series, "%");
@@ -216,19 +169,15 @@ pub fn frames(scene: &SceneJson<'_>) -> Figure {
 pub fn thresholds(scene: &SceneJson<'_>) -> Vec<Figure> {
     let rows = scene.json.list(&scene.at("/sweep"));
     let series = |loss: bool| -> Vec<Series> {
-        let line = |(row, value): (usize, &serde_json::Value)| Series {
-            name: format!("occupancy {}", grouped(value["occupancy"].as_f64().unwrap_or(0.0), 1)),
-            colour: row % 7,
-            published: false,
-            connected: true,
-            marked: true,
-            points: (0..value["points"].as_array().map_or(0, Vec::len))
-                .map(|point| {
-                    let (saved, lost) = effects(scene, row, point);
-                    let frequency = value["points"][point]["frequency"].as_f64().unwrap_or(0.0);
-                    ((frequency * 1e4).round() / 1e4, if loss { lost } else { saved })
-                })
-                .collect(),
+        let line = |(row, value): (usize, &serde_json::Value)| {
+            let point = |point: usize| {
+                let (saved, lost) = effects(scene, row, point);
+                let frequency = value["points"][point]["frequency"].as_f64().unwrap_or(0.0);
+                ((frequency * 1e4).round() / 1e4, if loss { lost } else { saved })
+            };
+            let name = format!("occupancy {}", grouped(value["occupancy"].as_f64().unwrap_or(0.0), 1));
+            let points = (0..value["points"].as_array().map_or(0, Vec::len)).map(point).collect();
+            Series::line(name, row % 7, points)
         };
         rows.iter().enumerate().map(line).collect()
     };
@@ -266,27 +215,15 @@ pub fn thresholds(scene: &SceneJson<'_>) -> Vec<Figure> {
 
 /// The ablation's sizes.
 pub fn steps(scene: &SceneJson<'_>) -> Figure {
-    let triangles = scene.number("/triangles");
-    let steps = scene.json.list(&scene.at("/ablation/steps"));
+    let steps = scene.json.list(&scene.at("/ablation/steps")).iter().enumerate();
     let all: Vec<_> = steps
-        .iter()
-        .enumerate()
         .map(|(index, step)| {
-            let part = |key: &str| {
-                scene.number(&format!("/ablation/steps/{index}/shape/bytes/{key}")) / triangles.clone()
-            };
-            let remark = grouped(part("tree").value, 1);
-            let parts = vec![part("nodes"), part("t_references"), part("indices"), part("other")];
-            Bar {
-                name: step["name"].as_str().unwrap_or_default().to_owned(),
-                published: false,
-                parts,
-                remark,
-            }
+            let (parts, total) = bytes_a_triangle(scene, &format!("/ablation/steps/{index}/shape/bytes"));
+            let name = step["name"].as_str().unwrap_or_default().to_owned();
+            Bar { name, published: false, parts, remark: grouped(total.value, 1) }
         })
         .collect();
-    let parts = [("nodes", 2), ("T-references", 6), ("indices", 4), ("other", 5)];
-    let svg = bars("Bytes a triangle, step by step", "tree, bytes a triangle", &parts, &all);
+    let svg = bars("Bytes a triangle, step by step", "tree, bytes a triangle", &PARTS, &all);
     let note = "From standard to tiny: what each step takes off.".to_owned();
     figure(format!("{}-ablation", scene.slug()), "Step by step", note, svg)
 }
@@ -305,14 +242,10 @@ pub fn scaling(json: Json<'_>) -> Figure {
             let number = json.median(&format!("/scaling/{index}/builds/{build}/seconds"));
             match series.iter_mut().find(|series| series.name == name) {
                 Some(series) => series.points.push((triangles, number)),
-                None => series.push(Series {
-                    name,
-                    colour: colour(tree),
-                    published: *threads != 1,
-                    connected: true,
-                    marked: true,
-                    points: vec![(triangles, number)],
-                }),
+                None => {
+                    let line = Series::line(name, colour(tree), vec![(triangles, number)]);
+                    series.push(Series { published: *threads != 1, ..line });
+                }
             }
         }
     }

@@ -10,6 +10,7 @@ mod sweep;
 pub use all_scenes::{machine, scaling, summary};
 pub use scene::SceneJson;
 pub(crate) use scene::{METHODS, MIB};
+pub(crate) use shape::interval;
 pub use shape::{depths, duplication, longest_edges};
 pub use size::{geometry, nodes, references, very_large};
 pub use speed::{ablation, builds, costs, frames};

@@ -5,7 +5,7 @@ use super::{Cell, SceneJson, Table, grouped};
 use crate::basics::number::Number;
 
 /// An interval of references, as the slides write it.
-fn interval(from: u64, to: u64) -> String {
+pub(crate) fn interval(from: u64, to: u64) -> String {
     let text = |number: u64| grouped(number as f64, 0);
     match (from, to) {
         (from, to) if from == to => text(from),

@@ -4,7 +4,7 @@
 
 use glam::Vec3;
 use slimkd::{BuildOptions, KdTree, TriangleMesh};
-use slimkd_render::{Film, RenderProgress, RenderSettings, Sky, render};
+use slimkd_render::{Film, RenderSettings, Sky, render};
 use slimkd_scene::{Attribute, Camera, Light, Material, Scene};
 
 /// Builds a scene part by part, a material each.
@@ -119,7 +119,7 @@ pub fn picture(
     lights: &[Light],
     settings: &RenderSettings,
 ) -> Film {
-    render(scene, tree, camera, lights, settings, &RenderProgress::new()).unwrap()
+    render(scene, tree, camera, lights, settings, &slimkd::Progress::new()).unwrap()
 }
 
 /// What one ray from `eye` to `target` sees.

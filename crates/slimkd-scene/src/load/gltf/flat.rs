@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     Attribute, Scene, Warning, WarningKind,
-    load::{LoadError, LoadProgress, Place, source::growth_limit, warn},
+    load::{LoadError, Loading, Place, Progress, source::growth_limit, warn},
 };
 use glam::{DAffine2, DMat3, DMat4, DVec2, DVec3};
 use slimkd::TriangleMesh;
@@ -155,7 +155,7 @@ impl<'a> Flat<'a> {
         &mut self,
         placed: &[Placed],
         poses: &[Option<Pose>],
-        progress: &LoadProgress,
+        progress: &Progress,
     ) -> Result<(), LoadError> {
         let root = self.reader.root;
         let mut uses = vec![0u32; root.meshes.len()];

@@ -21,8 +21,8 @@ mod skin;
 mod views;
 
 use super::{
-    Format, LoadError, LoadProgress, Place,
-    error::quoted,
+    Format, LoadError, Place, Progress,
+    error::{quoted, short},
     source::{FREE_BYTES, Folder, MAX_GROWTH},
     textures::Textures,
     warn,
@@ -43,7 +43,7 @@ pub(super) fn parse(
     bytes: &[u8],
     folder: Folder<'_>,
     chosen: Option<usize>,
-    progress: &LoadProgress,
+    progress: &Progress,
 ) -> Result<Scene, LoadError> {
     let (json, bin) = container::split(format, bytes)?;
     let root = root(format, bytes, json)?;
@@ -92,7 +92,7 @@ fn root(format: Format, bytes: &[u8], json: &[u8]) -> Result<Root, LoadError> {
     let root: Root = serde_json::from_slice(json).map_err(|error| LoadError::Invalid {
         format,
         place: Place::Line(error.line() as u64),
-        what: error.to_string().split_whitespace().collect::<Vec<_>>().join(" "),
+        what: short(&error),
         fix: "the file was cut off or is no glTF 2.0",
     })?;
     if !root.asset.version.starts_with("2") {

@@ -4,7 +4,7 @@ use super::{
     json::{Node, Semantic},
     reader::Reader,
 };
-use crate::load::{LoadError, LoadProgress, Place};
+use crate::load::{LoadError, Loading, Place, Progress};
 use glam::{DMat4, DQuat, DVec3};
 
 /// A node and its transform to world space.
@@ -25,7 +25,7 @@ impl Reader<'_> {
     pub(super) fn placements(
         &self,
         chosen: Option<usize>,
-        progress: &LoadProgress,
+        progress: &Progress,
     ) -> Result<Placements, LoadError> {
         let root = self.root;
         let index = chosen.or(root.scene.map(|scene| scene.0));

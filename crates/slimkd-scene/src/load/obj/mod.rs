@@ -6,7 +6,7 @@
 mod mtl;
 
 use super::{
-    Format, LoadError, LoadProgress, Place,
+    Format, LoadError, Loading, Place, Progress,
     error::quoted,
     polygon::Polygons,
     source::Folder,
@@ -68,7 +68,7 @@ struct Obj {
     unknown: Option<(u64, String)>,
 }
 
-pub(super) fn parse(bytes: &[u8], folder: Folder<'_>, progress: &LoadProgress) -> Result<Scene, LoadError> {
+pub(super) fn parse(bytes: &[u8], folder: Folder<'_>, progress: &Progress) -> Result<Scene, LoadError> {
     let mut obj = Obj::default();
     let mut ids: HashMap<Option<String>, u32> = HashMap::new();
     let (mut name, mut id) = (None, None);
@@ -224,7 +224,7 @@ impl Obj {
         }
     }
 
-    fn finish(mut self, folder: Folder<'_>, progress: &LoadProgress) -> Result<Scene, LoadError> {
+    fn finish(mut self, folder: Folder<'_>, progress: &Progress) -> Result<Scene, LoadError> {
         if self.known_lines == 0
             && let Some((line, text)) = self.unknown
         {

@@ -5,7 +5,7 @@ mod roles;
 mod uniform;
 mod values;
 
-use super::{Format, LoadError, LoadProgress, Place, polygon::Polygons};
+use super::{Format, LoadError, Loading, Place, Progress, polygon::Polygons};
 use crate::{Attribute, Scene, Warning, WarningKind};
 use header::{Element, Encoding, Header, Number};
 use roles::{SLOTS, Slots, VertexColumns, colour_byte, colour_slot, corner_list, corner_uvs};
@@ -22,20 +22,44 @@ fn invalid(place: Place, what: impl Into<String>, fix: &'static str) -> LoadErro
     LoadError::Invalid { format: Format::Ply, place, what: what.into(), fix }
 }
 
-pub(super) fn parse(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, LoadError> {
+pub(super) fn parse(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
     let header = Header::parse(bytes)?;
-    let body = Body::new(&header)?;
     match header.encoding {
-        Encoding::Text => {
-            body.read(Text { bytes, at: header.bytes, line: header.lines + 1 }, bytes, progress, |_, _| {
-                Ok(false)
-            })
-        }
+        Encoding::Text => parse_text(&header, bytes, progress),
         encoding => {
-            let start = Binary { bytes, at: header.bytes, big: encoding.is_big() };
-            body.read(start, bytes, progress, |body, values| body.read_uniform(values, encoding, progress))
+            let mut values = Binary { bytes, at: header.bytes, big: encoding.is_big() };
+            let fast =
+                |body: &mut Body<'_>, values: &mut Binary<'_>| body.read_uniform(values, encoding, progress);
+            Body::new(&header)?.read(&mut values, bytes, progress, fast)
         }
     }
+}
+
+/// Text, whose lines may have more numbers than the header says: then they are read line by line.
+fn parse_text(header: &Header, bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
+    let read = |by_lines: bool| {
+        let mut values = Text::new(bytes, header.bytes, header.lines + 1, by_lines);
+        let scene = Body::new(header)?.read(&mut values, bytes, progress, |_, _| Ok(false));
+        Ok::<_, LoadError>((scene, values))
+    };
+    let (scene, values) = read(false)?;
+    if matches!(scene, Err(LoadError::Cancelled)) || (scene.is_ok() && !values.has_more()) {
+        return scene;
+    }
+    let (lines, line_values) = read(true)?;
+    if let Ok(mut lines) = lines
+        && line_values.longer > 0
+        && !line_values.has_more()
+    {
+        let what = "entries have more numbers in their lines than the header says, which were left out";
+        let warning = Warning::counted(WarningKind::Invalid, line_values.longer, line_values.entries, what);
+        lines.warnings.push(warning);
+        return Ok(lines);
+    }
+    let mut scene = scene?;
+    let what = format!("{} bytes behind the last entry were ignored", bytes.len() - values.at);
+    scene.warnings.push(Warning::new(WarningKind::Ignored, what));
+    Ok(scene)
 }
 
 /// The mesh while it is read.
@@ -124,9 +148,9 @@ impl<'h> Body<'h> {
     /// Reads all elements; `fast` may take one at once and says whether it did.
     fn read<V: Values>(
         mut self,
-        mut values: V,
+        values: &mut V,
         bytes: &[u8],
-        progress: &LoadProgress,
+        progress: &Progress,
         fast: impl Fn(&mut Self, &mut V) -> Result<bool, LoadError>,
     ) -> Result<Scene, LoadError> {
         for (current, element) in self.elements.iter().enumerate() {
@@ -145,7 +169,7 @@ impl<'h> Body<'h> {
                 let fix = "the count is wrong or the file was cut off: write or download it again";
                 return Err(invalid(Place::Line(element.line), what, fix));
             }
-            if least == 0 || fast(&mut self, &mut values)? {
+            if least == 0 || fast(&mut self, values)? {
                 continue;
             }
             for entry in 0..element.count {
@@ -153,20 +177,21 @@ impl<'h> Body<'h> {
                     progress.parsed(values.at(), bytes.len())?;
                 }
                 if current == self.vertex {
-                    self.read_vertex(&mut values)?;
+                    self.read_vertex(values)?;
                 } else if let Some((face, list)) = self.face
                     && current == face
                 {
-                    self.read_face(&mut values, list, entry)?;
+                    self.read_face(values, list, entry)?;
                 } else if let Some((strips, list)) = self.strips
                     && current == strips
                 {
-                    self.read_strip(&mut values, list, entry)?;
+                    self.read_strip(values, list, entry)?;
                 } else {
                     for property in &element.properties {
-                        skip(&mut values, property.length, property.number)?;
+                        skip(values, property.length, property.number)?;
                     }
                 }
+                values.end_entry();
             }
         }
         self.finish(progress)
@@ -177,7 +202,7 @@ impl<'h> Body<'h> {
         &mut self,
         values: &mut Binary<'_>,
         encoding: Encoding,
-        progress: &LoadProgress,
+        progress: &Progress,
     ) -> Result<bool, LoadError> {
         let element = &self.elements[self.current];
         let rest = &values.bytes[values.at..];
@@ -340,7 +365,7 @@ impl<'h> Body<'h> {
         Ok(())
     }
 
-    fn finish(mut self, progress: &LoadProgress) -> Result<Scene, LoadError> {
+    fn finish(mut self, progress: &Progress) -> Result<Scene, LoadError> {
         let attribute = |values| Attribute { values, indices: None };
         let mut warnings = Vec::new();
         if !self.uv_indices.is_empty() {

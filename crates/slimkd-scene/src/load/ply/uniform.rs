@@ -5,7 +5,7 @@ use super::{
     roles::{SLOTS, Slots, VertexColumns, colour_byte},
     values::decode,
 };
-use crate::load::{LoadError, LoadProgress};
+use crate::load::{LoadError, Loading, Progress};
 use rayon::prelude::*;
 
 /// Entries that a thread takes at once: some 200 KB of the usual 13 bytes a face.
@@ -18,7 +18,7 @@ pub(super) fn vertices(
     encoding: Encoding,
     slots: &Slots,
     columns: &mut VertexColumns,
-    progress: &LoadProgress,
+    progress: &Progress,
 ) -> Result<(), LoadError> {
     let stride = element.properties.iter().map(|property| property.number.size()).sum::<usize>();
     let mut offset = 0;
@@ -34,7 +34,7 @@ pub(super) fn vertices(
         stride: usize,
         fields: [Option<(usize, Number)>; N],
         big: bool,
-        progress: &LoadProgress,
+        progress: &Progress,
     ) -> Result<Vec<[f32; N]>, LoadError> {
         let plain = fields
             .iter()
@@ -101,7 +101,7 @@ pub(super) fn faces(
     encoding: Encoding,
     list: usize,
     vertex_count: u64,
-    progress: &LoadProgress,
+    progress: &Progress,
 ) -> Result<Option<Faces>, LoadError> {
     let big = encoding.is_big();
     let lists = element.properties.iter().filter(|property| property.length.is_some()).count();

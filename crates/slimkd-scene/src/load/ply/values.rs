@@ -16,6 +16,8 @@ pub(super) trait Values {
     fn at(&self) -> usize;
     /// An upper bound of how many numbers of that type can follow.
     fn most(&self, number: Number) -> u64;
+    /// Called behind each entry.
+    fn end_entry(&mut self) {}
 }
 
 /// Binary data.
@@ -72,11 +74,28 @@ impl Values for Binary<'_> {
     }
 }
 
-/// Text: numbers with white space between them. Line ends are counted but mean nothing more, as in most readers.
+/// Text: numbers with white space between them. Line ends are counted but mean nothing more, as in most readers, unless
+/// entries are read line by line.
 pub(super) struct Text<'a> {
     pub(super) bytes: &'a [u8],
     pub(super) at: usize,
     pub(super) line: u64,
+    /// An entry ends its line, whatever else is in it.
+    pub(super) by_lines: bool,
+    /// Entries, and those whose lines have more in them.
+    pub(super) entries: u64,
+    pub(super) longer: u64,
+}
+
+impl<'a> Text<'a> {
+    pub(super) fn new(bytes: &'a [u8], at: usize, line: u64, by_lines: bool) -> Self {
+        Self { bytes, at, line, by_lines, entries: 0, longer: 0 }
+    }
+
+    /// True when there is something behind the last number that was read.
+    pub(super) fn has_more(&self) -> bool {
+        !self.bytes[self.at..].trim_ascii().is_empty()
+    }
 }
 
 impl Values for Text<'_> {
@@ -119,6 +138,17 @@ impl Values for Text<'_> {
 
     fn most(&self, _: Number) -> u64 {
         (self.bytes.len() - self.at).div_ceil(2) as u64
+    }
+
+    fn end_entry(&mut self) {
+        if !self.by_lines {
+            return;
+        }
+        let rest = &self.bytes[self.at..];
+        let end = rest.iter().position(|&b| b == b'\n' || b == b'\r').unwrap_or(rest.len());
+        self.entries += 1;
+        self.longer += u64::from(!rest[..end].trim_ascii().is_empty());
+        self.at += end;
     }
 }
 

@@ -90,7 +90,9 @@ pub(crate) fn encode(tree: &Widened<'_>, bounds: &Aabb, job: &Job<'_>) -> Result
         for lane in (0..inner).rev() {
             push(&mut pending, (first + lane, children[lane], depth + 1))?;
         }
-        deepest = deepest.max(depth + u32::from(inner < children.len()));
+        if inner < children.len() {
+            deepest = deepest.max(depth + 1);
+        }
         check(Countable::Bytes, (wide.leaves.len() + PADDING) as u64, BYTE_LIMIT)?;
         wide.nodes[at] = node;
     }

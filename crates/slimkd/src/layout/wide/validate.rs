@@ -42,7 +42,7 @@ pub(crate) fn validate(wide: &Wide, triangles: usize) -> Result<u32, Damage> {
             }
         }
         if inner < children {
-            deepest = deepest.max(depth);
+            deepest = deepest.max(depth + 1);
         }
         for lane in inner..children {
             let start = u64::from(node.leaves) + u64::from(node.offsets[lane]);
