@@ -15,7 +15,8 @@ use crate::layout::{Nodes, Planes, WideNode, WideNodes};
 use crate::options::BuildOptions;
 use crate::query::{BatchJob, Tracer, Walk, tracer};
 use crate::traverse::{
-    Conditions, NearestPoint, PreparedRay, Search, Sink, Traced, search_tree, search_wide, traverse, walk_exactly,
+    Conditions, NearestPoint, PreparedRay, Search, Sink, Traced, search_tree, search_wide, traverse,
+    walk_exactly,
 };
 use crate::tree::KdTree;
 use std::ops::Range;
@@ -263,8 +264,7 @@ macro_rules! with_checked_nodes {
                 opened.remember(&guard);
             }
             Layout::Wide { nodes, leaves, planes } => {
-                let guard =
-                    Guard::new((nodes.len() / size_of::<WideNode>()) as u64, 8 * leaves.len() as u64);
+                let guard = Guard::new((nodes.len() / size_of::<WideNode>()) as u64, 8 * leaves.len() as u64);
                 let $wide = CheckedWide {
                     nodes: opened.part(nodes),
                     leaves: opened.part(leaves),

@@ -5,8 +5,8 @@ use super::bytes::{Section, le_bytes};
 use super::table::Kind;
 use crate::geometry::Aabb;
 use crate::layout::Encoded;
-use crate::layout::dense::{self, Dense};
 use crate::layout::WideNode;
+use crate::layout::dense::{self, Dense};
 use crate::layout::plain::{self, Plain};
 use crate::layout::wide::{self, Wide};
 use std::borrow::Cow;
@@ -37,7 +37,9 @@ pub(super) fn put(encoded: &Encoded) -> impl Iterator<Item = (Kind, Cow<'_, [u8]
             (INDICES_2BYTE, le_bytes(&plain.indices_2byte)),
         ],
         Encoded::Dense(dense) => vec![(DENSE, Cow::Borrowed(&dense.bytes))],
-        Encoded::Wide(wide) => vec![(WIDE_NODES, le_bytes(&wide.nodes)), (WIDE_LEAVES, Cow::Borrowed(&wide.leaves))],
+        Encoded::Wide(wide) => {
+            vec![(WIDE_NODES, le_bytes(&wide.nodes)), (WIDE_LEAVES, Cow::Borrowed(&wide.leaves))]
+        }
     };
     parts.into_iter().filter(|(_, bytes)| !bytes.is_empty())
 }
@@ -64,7 +66,8 @@ impl Parts {
     /// The tree over a mesh of `triangles` triangles, with its depth, once it is proved.
     pub(super) fn prove(self, bounds: &Aabb, triangles: usize) -> Result<(Encoded, u32), FileError> {
         let Self { plain, dense, wide_nodes, wide_leaves } = self;
-        let has = [plain != Plain::default(), !dense.is_empty(), !wide_nodes.is_empty() || !wide_leaves.is_empty()];
+        let has =
+            [plain != Plain::default(), !dense.is_empty(), !wide_nodes.is_empty() || !wide_leaves.is_empty()];
         match has {
             [_, false, false] => {
                 let depth = plain::validate(&plain, triangles)?;

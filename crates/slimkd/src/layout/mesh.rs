@@ -37,7 +37,8 @@ impl<'a> MeshView<'a> {
         debug_assert!((triangle as usize) < self.triangles.len());
         // SAFETY: the caller says that the triangle exists, and the mesh's vertex indices were checked when it was made.
         unsafe {
-            let (vertices, [a, b, c]) = (self.vertices.as_ptr(), *self.triangles.get_unchecked(triangle as usize));
+            let (vertices, [a, b, c]) =
+                (self.vertices.as_ptr(), *self.triangles.get_unchecked(triangle as usize));
             [vertices.add(a as usize), vertices.add(b as usize), vertices.add(c as usize)]
         }
     }

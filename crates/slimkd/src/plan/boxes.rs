@@ -57,10 +57,12 @@ impl BoxPlan {
     /// Appends a subtree that was built on its own.
     pub(crate) fn append(&mut self, subtree: &Self) {
         let (nodes, references) = (self.nodes.len() as u32, self.references.len() as u32);
-        self.nodes.extend(subtree.nodes.iter().map(|node| BoxNode {
-            at: node.at + if node.count == 0 { nodes } else { references },
-            ..*node
-        }));
+        self.nodes.extend(
+            subtree.nodes.iter().map(|node| BoxNode {
+                at: node.at + if node.count == 0 { nodes } else { references },
+                ..*node
+            }),
+        );
         self.references.extend_from_slice(&subtree.references);
     }
 }

@@ -335,7 +335,8 @@ impl<'a, V: Simd> Walk<'a, V> {
             let mut corners = [[std::ptr::null(); 3]; 4];
             for (k, corners) in corners.iter_mut().enumerate() {
                 // Where there are fewer than four, the first one again. SAFETY: a leaf of this tree names triangles of the mesh.
-                *corners = unsafe { self.nodes.mesh.corner_pointers(ids[four + if k < left { k } else { 0 }]) };
+                *corners =
+                    unsafe { self.nodes.mesh.corner_pointers(ids[four + if k < left { k } else { 0 }]) };
             }
             let these = (1u32 << if left < 4 { left } else { 4 }) - 1;
             // SAFETY: these are corners.

@@ -20,7 +20,12 @@ pub(super) fn for_each_node(nodes: WideView<'_>, mut visit: impl FnMut(&WideNode
 }
 
 /// Calls `visit` with the ids of a leaf.
-pub(super) fn with_ids<R>(nodes: WideView<'_>, node: &WideNode, lane: usize, visit: impl FnOnce(&[u32]) -> R) -> R {
+pub(super) fn with_ids<R>(
+    nodes: WideView<'_>,
+    node: &WideNode,
+    lane: usize,
+    visit: impl FnOnce(&[u32]) -> R,
+) -> R {
     debug_assert!((node.inner()..node.children()).contains(&lane));
     let mut buffer = Ids::new();
     // SAFETY: the node comes from this tree, and the lane is that of a leaf.
@@ -41,7 +46,7 @@ pub(super) fn statistics(tree: &KdTree, view: WideView<'_>) -> TreeStatistics {
     let (traversal, intersection) = (f64::from(sah.traversal), f64::from(sah.intersection));
     let mut nodes = NodeCounts::default();
     let mut references = LeafReferences::default();
-    let mut leaf_depths = vec![0u64; tree.depth as usize + 2];
+    let mut leaf_depths = vec![0u64; tree.depth as usize + 1];
     let mut per_triangle = vec![0u32; tree.mesh.len()];
     let root_area = tree.bounds.surface_area();
     let mut cost = traversal * root_area;

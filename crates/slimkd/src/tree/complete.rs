@@ -219,7 +219,14 @@ struct Walk<'a, N> {
 
 impl<'a, N: Nodes> Walk<'a, N> {
     fn new(nodes: N, listing: &'a Listing) -> Self {
-        Self { nodes, listing, measure: Measure { largest: [0.0; 3] }, pieces: Vec::new(), rescues: Vec::new(), steps: 0 }
+        Self {
+            nodes,
+            listing,
+            measure: Measure { largest: [0.0; 3] },
+            pieces: Vec::new(),
+            rescues: Vec::new(),
+            steps: 0,
+        }
     }
 
     /// Whether the triangle is named wherever it reaches; `None` when that takes too many steps.
@@ -275,7 +282,8 @@ impl<'a, N: Nodes> Walk<'a, N> {
             above.clip(axis, last, -1.0, &mut middle);
         }
         // A strip across a slanting triangle is at most as much wider than the slab as the triangle is longer than high.
-        let (slab, height) = (2.0 * reach / self.measure.largest[axis], (high - low) / self.measure.largest[axis]);
+        let (slab, height) =
+            (2.0 * reach / self.measure.largest[axis], (high - low) / self.measure.largest[axis]);
         let passed_over = slab * self.measure.diameter(polygon) <= NARROW * height;
         if !passed_over {
             self.rescues.push(Rescue { node: right, next: rescue });

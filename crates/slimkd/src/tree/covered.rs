@@ -34,13 +34,16 @@ pub(super) fn check(
     let (valid, _) = tree.mesh.valid_triangles();
     let size = tree.encoded.bytes() / 8 + listing.leaves.len() as u64 + valid.len() as u64;
     let mut left = STEPS * size;
+    // What decoding a plane and cutting at it may round by.
+    let largest = |k: usize| f64::from(tree.bounds.min[k].abs().max(tree.bounds.max[k].abs()));
+    let reach = [0, 1, 2].map(|k| NEAR * largest(k));
     let share = 1024.0 / valid.len().max(1) as f64;
     for (at, &triangle) in valid.iter().enumerate() {
         if at.is_multiple_of(1024) {
             progress.check().map_err(|_| CompletenessError::Cancelled)?;
             progress.advance(share);
         }
-        match listing.covers(&tree.mesh, triangle, &mut left) {
+        match listing.covers(&tree.mesh, triangle, &reach, &mut left) {
             Some(true) => {}
             Some(false) => return Err(CompletenessError::Missing { triangle }),
             None => return Err(CompletenessError::TooLong),
@@ -104,14 +107,14 @@ impl Listing {
     }
 
     /// Whether the parts of the leaves that name a triangle cover it; `None` once `steps` are used up.
-    fn covers(&self, mesh: &TriangleMesh, triangle: u32, steps: &mut u64) -> Option<bool> {
+    fn covers(&self, mesh: &TriangleMesh, triangle: u32, reach: &[f64; 3], steps: &mut u64) -> Option<bool> {
         let whole = Polygon::new(&mesh.corners(triangle));
         let measure = Measure::of(&whole);
         let (mut pieces, mut rest) = (vec![whole], Vec::new());
         for &leaf in &self.leaves[self.starts[triangle as usize]..self.starts[triangle as usize + 1]] {
             for piece in pieces.drain(..) {
                 *steps = steps.checked_sub(1)?;
-                subtract(piece, &self.parts[leaf as usize], &measure, &mut rest);
+                subtract(piece, &self.parts[leaf as usize], reach, &measure, &mut rest);
             }
             std::mem::swap(&mut pieces, &mut rest);
             if pieces.is_empty() {
@@ -123,10 +126,9 @@ impl Listing {
 }
 
 /// Adds to `rest` what of a piece lies outside a box.
-fn subtract(mut piece: Polygon, part: &Part, measure: &Measure, rest: &mut Vec<Polygon>) {
+fn subtract(mut piece: Polygon, part: &Part, reach: &[f64; 3], measure: &Measure, rest: &mut Vec<Polygon>) {
     for axis in 0..3 {
-        let reach = NEAR * measure.largest[axis];
-        for (position, sign) in [(part[0][axis] - reach, 1.0), (part[1][axis] + reach, -1.0)] {
+        for (position, sign) in [(part[0][axis] - reach[axis], 1.0), (part[1][axis] + reach[axis], -1.0)] {
             let mut outside = piece;
             piece.clip(axis, position, -sign, &mut outside);
             if !measure.is_narrow(&outside) {

@@ -56,10 +56,22 @@ fn build_here(
         && let Some((wide, depth, byte_weight)) = wide_tree(&triangles, &bounds, &job)?
     {
         drop((triangles, job));
-        let own_options =
-            BuildOptions { threads: None, max_tree: None, max_build_bytes: None, byte_weight, ..options.clone() };
+        let own_options = BuildOptions {
+            threads: None,
+            max_tree: None,
+            max_build_bytes: None,
+            byte_weight,
+            ..options.clone()
+        };
         progress.finish();
-        return Ok(KdTree { mesh, options: own_options, bounds, encoded: Encoded::Wide(wide), depth, degenerate });
+        return Ok(KdTree {
+            mesh,
+            options: own_options,
+            bounds,
+            encoded: Encoded::Wide(wide),
+            depth,
+            degenerate,
+        });
     }
 
     // 2. Construct a plan of the standard tree.

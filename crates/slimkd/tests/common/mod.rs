@@ -3,7 +3,9 @@
 
 pub mod layers;
 
-use slimkd::{BuildOptions, Clipping, HoistAlgorithm, KdTree, Layout, Preset, Ray, TriangleMesh};
+use slimkd::{
+    BuildOptions, Clipping, EncodedTree, HoistAlgorithm, KdTree, Layout, Preset, Ray, TriangleMesh,
+};
 pub use slimkd_util::Rng;
 
 /// How many, from the environment or else `few`: what makes a campaign of a test.
@@ -56,7 +58,8 @@ pub fn variants() -> Vec<(String, BuildOptions)> {
         }
     }
     for byte_weight in [0.0, 0.2] {
-        let options = BuildOptions::from(Preset::Slim).with_layout(Layout::Wide).with_byte_weight(byte_weight);
+        let options =
+            BuildOptions::from(Preset::Slim).with_layout(Layout::Wide).with_byte_weight(byte_weight);
         out.push((format!("wide at {byte_weight}"), options.with_max_tree(None)));
     }
     for layout in [Layout::FourByte, Layout::TwoByte, Layout::Wide] {
@@ -216,7 +219,13 @@ pub fn check_invariants(scene: &str, variant: &str, tree: &KdTree) {
         + 8 * s.nodes.t_inner
         + 4 * r.four_byte
         + 2 * r.two_byte;
-    if r.other == 0 {
+    let is_wide = matches!(tree.encoded(), EncodedTree::Wide { .. });
+    if is_wide {
+        // 256 bytes a node, 3 or 4 a leaf's header, at most 5 a further reference, 8 behind the end.
+        let most = m.nodes + 4 * s.nodes.leaf + 5 * r.other + 8;
+        assert_eq!(m.nodes, 256 * s.nodes.inner, "{context}");
+        assert!((m.nodes + 3 * s.nodes.leaf + 8..=most).contains(&m.tree()), "{context}");
+    } else if r.other == 0 {
         assert_eq!(m.tree(), plain, "{context}");
     } else {
         // 4 bytes an inner node, at most 8 a leaf's header, at most 5 a further reference, 8 behind the end.
@@ -227,7 +236,12 @@ pub fn check_invariants(scene: &str, variant: &str, tree: &KdTree) {
         );
     }
     assert_eq!(m.resident(), m.tree() + mesh.memory_bytes(), "{context}");
-    assert_eq!(s.nodes.leaf, s.nodes.inner + s.nodes.t_inner + 1, "{context}");
+    if is_wide {
+        // Each node after the root takes one of its parent's 16 children.
+        assert!(s.nodes.leaf <= 15 * s.nodes.inner + 1, "{context}");
+    } else {
+        assert_eq!(s.nodes.leaf, s.nodes.inner + s.nodes.t_inner + 1, "{context}");
+    }
     assert_eq!(s.t_references, s.nodes.t_inner, "{context}");
     assert_eq!(s.triangles, mesh.len() as u64, "{context}");
     assert_eq!(s.duplication[0], 0, "{context}: a triangle is lost");

@@ -138,7 +138,11 @@ impl Shared<'_> {
             Split::Leaf => 0,
             Split::Object(ObjectSplit { axis, below, .. }) => {
                 for reference in references {
-                    if reference.center(*axis) < *below { left.push(reference) } else { right.push(reference) }
+                    if reference.center(*axis) < *below {
+                        left.push(reference)
+                    } else {
+                        right.push(reference)
+                    }
                 }
                 0
             }
@@ -200,8 +204,7 @@ impl Shared<'_> {
         let (bounds, centers) = span(&references);
         let (mut left, mut right) = (Vec::new(), Vec::new());
         let mut clipper = Clipper::default();
-        let spares =
-            self.halves(&references, &bounds, &centers, spare, &mut clipper, &mut left, &mut right);
+        let spares = self.halves(&references, &bounds, &centers, spare, &mut clipper, &mut left, &mut right);
         let Some((a, b)) = spares else { return Ok(Grown::Part(self.sequential(references, spare)?)) };
         self.job.memory.take((left.capacity() + right.capacity()) * size_of::<Reference>())?;
         self.job.memory.give(references.capacity() * size_of::<Reference>());

@@ -24,7 +24,12 @@ use reference::Reference;
 const SPARE: f64 = 0.75;
 
 /// Builds the tree over triangles that can be hit.
-pub(crate) fn build(triangles: &[u32], bounds: &Aabb, cuts: bool, job: &Job<'_>) -> Result<BoxPlan, BuildError> {
+pub(crate) fn build(
+    triangles: &[u32],
+    bounds: &Aabb,
+    cuts: bool,
+    job: &Job<'_>,
+) -> Result<BoxPlan, BuildError> {
     if triangles.is_empty() {
         return Ok(BoxPlan::default());
     }

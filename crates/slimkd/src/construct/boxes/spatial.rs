@@ -47,8 +47,11 @@ impl Grid {
     fn of(bounds: &Box4, axis: usize) -> Option<Self> {
         let extent = bounds.max[axis] - bounds.min[axis];
         let (width, scale) = (extent / BINS as f32, BINS as f32 / extent);
-        (extent > 0.0 && width > f32::MIN_POSITIVE && scale.is_finite())
-            .then_some(Self { low: bounds.min[axis], width, scale })
+        (extent > 0.0 && width > f32::MIN_POSITIVE && scale.is_finite()).then_some(Self {
+            low: bounds.min[axis],
+            width,
+            scale,
+        })
     }
 
     #[inline(always)]

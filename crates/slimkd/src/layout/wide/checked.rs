@@ -26,7 +26,8 @@ impl CheckedWide<'_> {
 
     fn node(self, at: usize) -> Option<WideNode> {
         self.guard.node()?;
-        let bytes = bytes_at::<{ size_of::<WideNode>() }>(self.nodes, at.checked_mul(size_of::<WideNode>())?)?;
+        let bytes =
+            bytes_at::<{ size_of::<WideNode>() }>(self.nodes, at.checked_mul(size_of::<WideNode>())?)?;
         let node: WideNode = bytemuck::pod_read_unaligned(&bytes);
         let node = if cfg!(target_endian = "big") { node.swapped() } else { node };
         (node.inner() <= node.children() && node.children() <= LANES).then_some(node)

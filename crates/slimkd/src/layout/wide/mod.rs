@@ -18,8 +18,8 @@ mod validate;
 mod view;
 
 pub(crate) use checked::CheckedWide;
-use encode::{fits, grid};
 pub(crate) use encode::{encode, holds, size};
+use encode::{fits, grid};
 pub(crate) use leaf::LeafCode;
 pub(crate) use node::{LANES, STEP_BITS, WideNode};
 pub(crate) use nodes::WideNodes;
