@@ -13,7 +13,7 @@ use crate::layout::plain::CheckedPlain;
 use crate::layout::{Nodes, Planes};
 use crate::options::BuildOptions;
 use crate::query::{BatchJob, Tracer, Walk, tracer};
-use crate::traverse::{Conditions, NearestPoint, PreparedRay, Search, Sink, Traced, search_tree, traverse};
+use crate::traverse::{Conditions, ExactQuery, NearestPoint, PreparedRay, Search, Sink, Traced, search_tree, traverse, traverse_exactly};
 use crate::tree::KdTree;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -285,6 +285,11 @@ impl Walk for Opened<'_> {
         });
     }
 
+    fn walk_exact(&self, query: &mut ExactQuery<'_>) {
+        let Shape { depth, ref bounds, .. } = self.tree.shape;
+        with_checked_nodes!(self, nodes => traverse_exactly(Traced { nodes, depth, bounds }, query));
+    }
+
     fn search(&self, search: &mut Search<'_>) {
         let Shape { depth, ref bounds, .. } = self.tree.shape;
         with_checked_nodes!(self, nodes => search_tree(Traced { nodes, depth, bounds }, search));
@@ -314,6 +319,10 @@ impl<B: AsRef<[u8]> + Send + Sync> Tracer for OpenTree<B> {
 
     fn first_with(&self, ray: &Ray, most: usize, conditions: Conditions<'_>, hits: &mut Vec<Hit>) {
         self.opened().first_with(ray, most, conditions, hits);
+    }
+
+    fn exact_with(&self, query: &mut ExactQuery<'_>) {
+        self.opened().exact_with(query);
     }
 
     fn nearest_with(

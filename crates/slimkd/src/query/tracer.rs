@@ -1,9 +1,9 @@
 //! The interface of everything that can be traced.
 
 use super::batch::BatchJob;
-use super::{Batch, Query};
+use super::{Batch, Crossings, Query, Segment, inside};
 use crate::geometry::{Aabb, Hit, Ray, RefinedHit};
-use crate::traverse::{Conditions, NearestPoint};
+use crate::traverse::{Conditions, ExactQuery, NearestPoint};
 
 /// Anything that rays can be traced through: a [`KdTree`](crate::KdTree), an [`OpenTree`](crate::OpenTree) or a
 /// [`BruteForce`](crate::BruteForce). All of them give the same hits, to the last bit.
@@ -56,9 +56,49 @@ pub trait Tracer: Send + Sync {
         hits
     }
 
-    /// The number of triangles that the ray hits with `t_min ≤ t ≤ t_max`. Both neighbours of an edge that the ray meets count.
+    /// The number of triangles that the ray hits with `t_min ≤ t ≤ t_max`. Both neighbours of an edge that the ray meets count; for
+    /// inside and outside, ask [`Tracer::crossings`].
     fn count(&self, ray: &Ray) -> usize {
         self.all(ray).len()
+    }
+
+    /// How often the ray crosses the surface with `t_min ≤ t ≤ t_max`, and which way: exactly, each crossing once, through edges and vertices
+    /// too. See [`Crossings`]. An invalid ray crosses nothing.
+    fn crossings(&self, ray: &Ray) -> Crossings {
+        Crossings::of(self.as_dyn(), ray, &mut Vec::new())
+    }
+
+    /// The number of [`Tracer::crossings`]. Of a ray that starts beside a closed surface and does not end it is odd exactly where the ray
+    /// starts inside.
+    fn count_crossings(&self, ray: &Ray) -> usize {
+        self.crossings(ray).count()
+    }
+
+    /// Whether a point is inside the surface or on it, exactly: whether a ray from it crosses the surface an odd number of times. Normals do
+    /// not matter; what lies within two closed parts is outside. Points that are not finite are outside.
+    ///
+    /// Of a mesh that is not closed ([`TriangleMesh::surface`]) this is the parity along one ray, to the nearest side of the bounds:
+    /// right away from holes, and wrong in their shadow. [`WindingNumbers`] are made for such meshes.
+    ///
+    /// [`TriangleMesh::surface`]: crate::TriangleMesh::surface
+    /// [`WindingNumbers`]: crate::WindingNumbers
+    fn contains(&self, point: [f32; 3]) -> bool {
+        inside::contains(self.as_dyn(), point.map(f64::from), &mut Vec::new())
+    }
+
+    /// The distance to the nearest point of the surface, negative inside ([`Tracer::contains`]); `None` where there is no triangle, and
+    /// for a point that is not finite. The sign is exact, the distance is rounded once from f64.
+    fn signed_distance(&self, point: [f32; 3]) -> Option<f32> {
+        let distance = inside::signed_distance(self.as_dyn(), point, &mut Vec::new());
+        (!distance.is_nan()).then_some(distance)
+    }
+
+    /// Whether nothing lies between two points. The segment is open at both ends: a triangle on which one of the points lies, up to
+    /// the rounding of its coordinates, hides nothing. See [`Batch::visible`] for many segments, and for closed ones.
+    fn visible(&self, from: [f32; 3], to: [f32; 3]) -> bool {
+        let mut visible = [false];
+        self.batch().visible(&[Segment { from, to }], &mut visible);
+        visible[0]
     }
 
     /// The point of all triangles that is nearest to `point`, if it is no farther than `max_distance` (scene units, inclusive, may
@@ -95,6 +135,9 @@ pub trait Tracer: Send + Sync {
 
     #[doc(hidden)]
     fn first_with(&self, ray: &Ray, most: usize, conditions: Conditions<'_>, hits: &mut Vec<Hit>);
+
+    #[doc(hidden)]
+    fn exact_with(&self, query: &mut ExactQuery<'_>);
 
     #[doc(hidden)]
     fn nearest_with(

@@ -2,7 +2,7 @@
 
 use super::batch::BatchJob;
 use crate::geometry::{Aabb, Hit, Ray};
-use crate::traverse::{Any, Closest, Conditions, Filtered, First, NearestPoint, Search, Sink};
+use crate::traverse::{Any, Closest, Conditions, ExactQuery, Filtered, First, NearestPoint, Search, Sink};
 
 /// A tree, or what answers like one.
 pub(crate) trait Walk: Send + Sync {
@@ -14,6 +14,9 @@ pub(crate) trait Walk: Send + Sync {
 
     /// Offers every triangle that the ray may hit to `sink`, nearer ones mostly first. An invalid ray offers nothing.
     fn walk(&self, ray: &Ray, sink: &mut impl Sink);
+
+    /// Lets `query` decide about every triangle that its ray may hit.
+    fn walk_exact(&self, query: &mut ExactQuery<'_>);
 
     /// Offers every triangle that may be nearest to the point of `search`.
     fn search(&self, search: &mut Search<'_>);
@@ -98,6 +101,10 @@ macro_rules! tracer {
 
             fn first_with(&self, ray: &Ray, most: usize, conditions: Conditions<'_>, hits: &mut Vec<Hit>) {
                 self.ask_first(ray, most, conditions, hits);
+            }
+
+            fn exact_with(&self, query: &mut $crate::traverse::ExactQuery<'_>) {
+                self.walk_exact(query);
             }
 
             fn nearest_with(
