@@ -123,7 +123,7 @@ mod tree;
 #[doc(inline)]
 pub use file::{FileError, OpenTree};
 #[doc(inline)]
-pub use geometry::{Aabb, Hit, MeshError, Ray, RefinedHit, Surface, TriangleMesh};
+pub use geometry::{Aabb, Hit, HitF64, MeshError, Ray, RayF64, RefinedHit, Surface, TriangleMesh};
 #[doc(inline)]
 pub use job::Progress;
 #[doc(inline)]
@@ -135,8 +135,8 @@ pub use options::{
 };
 #[doc(inline)]
 pub use query::{
-    Batch, BatchHits, BruteForce, Crossings, Grid, HitColumns, Hits, Query, RayColumns, Rays, Segment, Tracer,
-    WindingNumbers,
+    Batch, BatchHits, BruteForce, Crossings, Grid, HitColumns, Hits, Query, RayColumns, Rays, Segment,
+    Tracer, WindingNumbers,
 };
 #[doc(inline)]
 pub use simd::{InstructionSet, UnknownInstructionSet};

@@ -27,9 +27,9 @@
 //!
 //! **Which triangles a walk must meet** is proved in `traverse/exact.rs`.
 
-use super::Ray;
 use super::double::{Double, determinant};
 use super::expansion::Expansion;
+use super::{HitF64, Ray, RayF64};
 use std::cmp::Ordering;
 
 /// Relative error of a side's bracket, as derived in the module head.
@@ -71,28 +71,32 @@ struct Seen {
     reach: f64,
 }
 
-/// Where a ray meets a triangle: t in units of the scaled direction, and the weights of corners 1 and 2. Each is off by less than 2⁻⁵⁰ of itself.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Meeting {
-    pub(crate) t: f64,
-    pub(crate) u: f64,
-    pub(crate) v: f64,
-}
-
 impl ExactRay {
     /// `None` where the ray is invalid: not finite, without a direction, with an empty range, or beyond what the module head allows.
     pub(crate) fn new(origin: [f64; 3], direction: [f64; 3], range: [f64; 2]) -> Option<Self> {
         let [t_min, t_max] = range;
         let size = direction.iter().fold(0.0f64, |most, x| most.max(x.abs()));
-        let finite = origin.iter().all(|x| x.abs() <= f32::MAX.into()) && direction.iter().all(|x| x.is_finite());
-        if !finite || !(SHORTEST..LONGEST).contains(&size) || t_min > t_max || t_min.is_nan() || t_max.is_nan() {
+        let finite =
+            origin.iter().all(|x| x.abs() <= f32::MAX.into()) && direction.iter().all(|x| x.is_finite());
+        if !finite
+            || !(SHORTEST..LONGEST).contains(&size)
+            || t_min > t_max
+            || t_min.is_nan()
+            || t_max.is_nan()
+        {
             return None;
         }
         // 4 / 2ᵉ for a size in [2ᵉ, 2ᵉ⁺¹): exponents of f64 are biased by 1023.
         let unit = f64::from_bits((2046 + 2 - (size.to_bits() >> 52)) << 52);
         let direction = direction.map(|x| flush(x * unit));
         let [x, y, z] = direction.map(f64::abs);
-        let z = if x > y { if x > z { 0 } else { 2 } } else if y > z { 1 } else { 2 };
+        let z = if x > y {
+            if x > z { 0 } else { 2 }
+        } else if y > z {
+            1
+        } else {
+            2
+        };
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
         Some(Self {
             origin: origin.map(flush),
@@ -114,6 +118,12 @@ impl ExactRay {
     pub(crate) fn from_ray(ray: &Ray) -> Option<Self> {
         let range = [ray.t_min, ray.t_max].map(f64::from);
         Self::new(ray.origin.map(f64::from), ray.direction.map(f64::from), range)
+    }
+
+    /// A ray in world coordinates, for a mesh that has its `origin` there.
+    pub(crate) fn in_world(ray: &RayF64, origin: [f64; 3]) -> Option<Self> {
+        let start = std::array::from_fn(|k| ray.origin[k] - origin[k]);
+        Self::new(start, ray.direction, [ray.t_min, ray.t_max])
     }
 
     /// The ray rounded to f32, its range rounded outwards, and how far its start was moved per axis at most. What it calls t is in units of
@@ -253,19 +263,19 @@ impl ExactRay {
         sum.sign()
     }
 
-    /// Where the ray meets the closed triangle, edges and vertices included, if it does so within its range. A ray within the triangle's
-    /// plane does not.
+    /// Where the ray meets the closed triangle, edges and vertices included, if it does so within its range; t is in units of the scaled
+    /// direction. Each number is off by less than 2⁻⁵⁰ of itself. A ray within the triangle's plane does not meet it.
     #[inline(always)]
-    pub(crate) fn meets(&self, corners: &Corners) -> Option<Meeting> {
+    pub(crate) fn meets(&self, corners: &Corners, triangle: u32) -> Option<HitF64> {
         let signs = self.certain_signs(corners);
         if signs.contains(&1) && signs.contains(&-1) {
             return None;
         }
-        self.meets_exactly(corners, signs)
+        self.meets_exactly(corners, triangle, signs)
     }
 
     #[inline(never)]
-    fn meets_exactly(&self, corners: &Corners, mut signs: [i8; 3]) -> Option<Meeting> {
+    fn meets_exactly(&self, corners: &Corners, triangle: u32, mut signs: [i8; 3]) -> Option<HitF64> {
         let [a, b, c] = corners;
         for (sign, (p, q)) in signs.iter_mut().zip([(b, c), (c, a), (a, b)]) {
             if *sign == 0 {
@@ -280,15 +290,16 @@ impl ExactRay {
         let [to_corner, e1, e2] = self.rows(corners);
         let (d, to_others) = (self.direction.map(whole), [c, b].map(|p| self.from_origin(p)));
         let along = number(d, e1, e2);
-        let t = number(to_corner, e1, e2) / along;
+        let t = (number(to_corner, e1, e2) / along).max(self.t_min).min(self.t_max);
         let u = number(d, to_others[0], to_corner) / along;
         let v = number(d, to_corner, to_others[1]) / along;
-        Some(Meeting { t, u, v })
+        [t, u, v].iter().all(|x| x.is_finite()).then_some(HitF64 { t, u, v, triangle })
     }
 
-    /// The user's t for a scaled one.
-    pub(crate) fn unscale(&self, t: f64) -> f64 {
-        t * self.unit
+    /// A hit with its t in the user's units, `None` where that is too large.
+    pub(crate) fn unscaled(&self, hit: HitF64) -> Option<HitF64> {
+        let t = hit.t * self.unit;
+        t.is_finite().then_some(HitF64 { t, ..hit })
     }
 
     /// From the origin to corner a, and the edges from there.
@@ -368,7 +379,7 @@ fn below(x: f64) -> f32 {
 }
 
 /// The next f32 at or above.
-fn above(x: f64) -> f32 {
+pub(crate) fn above(x: f64) -> f32 {
     let rounded = x as f32;
     if f64::from(rounded) < x { rounded.next_up() } else { rounded }
 }

@@ -3,8 +3,8 @@
 //! Determinants are computed in double-double arithmetic (Dekker 1971; Hida, Li & Bailey 2001). Their error is about 2⁻¹⁰⁰ of the sum
 //! of their terms' sizes, so cancellation costs digits of the f64 result only where a triangle is seen at an angle below 10⁻¹⁴.
 
-use super::Ray;
 use super::double::{Double, determinant};
+use super::{Ray, RayF64};
 
 /// A hit in f64, as [`Tracer::refine`](crate::Tracer::refine) computes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,11 +42,22 @@ impl RefinedHit {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(ray: &Ray, corners: &[[f32; 3]; 3]) -> Option<Self> {
+        Self::of(ray.origin.map(f64::from), ray.direction.map(f64::from), corners)
+    }
+
+    /// The same for a ray in world coordinates, for a mesh that has its `origin` there; so is the point.
+    pub(crate) fn in_world(ray: &RayF64, origin: [f64; 3], corners: &[[f32; 3]; 3]) -> Option<Self> {
+        let start = std::array::from_fn(|k| ray.origin[k] - origin[k]);
+        let found = Self::of(start, ray.direction, corners)?;
+        Some(Self { point: std::array::from_fn(|k| origin[k] + found.point[k]), ..found })
+    }
+
+    fn of(origin: [f64; 3], direction: [f64; 3], corners: &[[f32; 3]; 3]) -> Option<Self> {
         let [a, b, c] = *corners;
         let minus = |p: [f32; 3], q: [f32; 3]| std::array::from_fn(|k| Double::difference(p[k], q[k]));
-        let (e1, e2, to_corner): ([Double; 3], [Double; 3], _) =
-            (minus(b, a), minus(c, a), minus(a, ray.origin));
-        let direction = ray.direction.map(|x| Double(x.into(), 0.0));
+        let (e1, e2): ([Double; 3], [Double; 3]) = (minus(b, a), minus(c, a));
+        let to_corner = std::array::from_fn(|k| Double::difference(a[k], origin[k]));
+        let direction = direction.map(|x| Double(x, 0.0));
         let whole = determinant(direction, e1, e2).value();
         let part = |determinant: Double| determinant.value() / whole;
         let t = part(determinant(to_corner, e1, e2));

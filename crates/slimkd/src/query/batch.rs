@@ -2,10 +2,10 @@
 
 use super::inside::{self, RowBuffer};
 use super::{Crossings, Grid, Hits, Rays, Segment, Tracer};
-use crate::geometry::{Hit, Ray};
+use crate::geometry::{ExactRay, Hit, HitF64, Ray, RayF64};
 use crate::simd::InstructionSet;
 use crate::threads;
-use crate::traverse::{Conditions, NearestPoint, RayConditions};
+use crate::traverse::{Conditions, ExactQuery, NearestPoint, RayConditions};
 use std::convert::Infallible;
 use std::ops::Range;
 
@@ -260,8 +260,10 @@ impl<'a> Batch<'a> {
                 rays.clear();
                 rays.extend(segments[part.clone()].iter().map(Segment::ray));
                 let between = |at: usize, hit: &Hit| {
-                    let on_end =
-                        self.tracer.corners(hit.triangle).is_some_and(|corners| segments[at].ends_on(&corners));
+                    let on_end = self
+                        .tracer
+                        .corners(hit.triangle)
+                        .is_some_and(|corners| segments[at].ends_on(&corners));
                     !on_end && self.conditions.filter.is_none_or(|accept| accept(at, hit))
                 };
                 let mut job = self.job(&rays, part);
@@ -326,6 +328,44 @@ impl<'a> Batch<'a> {
                 *found = self.conditions.alone(at, ask);
             }
         });
+    }
+
+    /// [`Tracer::closest_f64`] of each ray: `hits[i]` becomes the hit of ray `i`. Each ray is traced alone. A filter gets hits rounded to f32.
+    ///
+    /// # Panics
+    /// When `hits`, or the slice given to [`Batch::except`], is not as long as `rays`.
+    pub fn closest_f64(&self, rays: &[RayF64], hits: &mut [Option<HitF64>]) {
+        self.check(rays.len(), hits.len());
+        self.spread(self.with_pieces(hits), |(range, hits)| {
+            for (at, hit) in range.zip(hits) {
+                *hit = self.exact_hit(at, &rays[at], false);
+            }
+        });
+    }
+
+    /// [`Tracer::any_f64`] of each ray: `hits[i]` becomes `true` where ray `i` hits anything. Each ray is traced alone. A filter gets hits
+    /// rounded to f32.
+    ///
+    /// # Panics
+    /// When `hits`, or the slice given to [`Batch::except`], is not as long as `rays`.
+    pub fn any_f64(&self, rays: &[RayF64], hits: &mut [bool]) {
+        self.check(rays.len(), hits.len());
+        self.spread(self.with_pieces(hits), |(range, hits)| {
+            for (at, hit) in range.zip(hits) {
+                *hit = self.exact_hit(at, &rays[at], true).is_some();
+            }
+        });
+    }
+
+    /// The nearest hit, or any, of the ray at position `at` of the batch.
+    fn exact_hit(&self, at: usize, ray: &RayF64, any: bool) -> Option<HitF64> {
+        let ray = ExactRay::in_world(ray, self.tracer.origin())?;
+        self.conditions.alone(at, |conditions| {
+            let ask = if any { ExactQuery::any } else { ExactQuery::closest };
+            let mut query = ask(ray, conditions);
+            self.tracer.exact_with(&mut query);
+            query.into_hit()
+        })
     }
 
     fn check(&self, rays: usize, answers: usize) {

@@ -49,6 +49,10 @@ impl Walk for BruteForce<'_> {
         self.bounds
     }
 
+    fn place(&self) -> [f64; 3] {
+        self.mesh.origin()
+    }
+
     fn triangle(&self, id: u32) -> Option<[[f32; 3]; 3]> {
         ((id as usize) < self.mesh.len()).then(|| self.mesh.corners(id))
     }

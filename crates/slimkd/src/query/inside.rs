@@ -145,7 +145,8 @@ impl RowBuffer {
         let ids = self.touched.iter().copied().chain(self.found.iter().map(|&(id, _)| id));
         for id in ids {
             let Some(corners) = tracer.corners(id) else { continue };
-            let [low, high] = [f32::min, f32::max].map(|pick| corners.iter().map(|p| p[0]).reduce(pick).unwrap_or(0.0));
+            let [low, high] =
+                [f32::min, f32::max].map(|pick| corners.iter().map(|p| p[0]).reduce(pick).unwrap_or(0.0));
             let first = points_before(0..inside.len(), |at| grid.coordinate(0, *at) < low.into());
             for at in first..inside.len() {
                 let x = grid.coordinate(0, at);

@@ -2,7 +2,7 @@
 
 use super::batch::BatchJob;
 use super::{Batch, Crossings, Query, Segment, inside};
-use crate::geometry::{Aabb, Hit, Ray, RefinedHit};
+use crate::geometry::{Aabb, ExactRay, Hit, HitF64, Ray, RayF64, RefinedHit};
 use crate::traverse::{Conditions, ExactQuery, NearestPoint};
 
 /// Anything that rays can be traced through: a [`KdTree`](crate::KdTree), an [`OpenTree`](crate::OpenTree) or a
@@ -36,7 +36,11 @@ pub trait Tracer: Send + Sync {
     /// Bounds of every triangle that can be hit, in scene units; empty where there is none.
     fn bounds(&self) -> Aabb;
 
-    /// The corners of a triangle; `None` where no triangle has this id.
+    /// Where in the world the mesh's coordinates are 0: [`TriangleMesh::origin`](crate::TriangleMesh::origin). Only the verbs that end in
+    /// `_f64` take world coordinates.
+    fn origin(&self) -> [f64; 3];
+
+    /// The corners of a triangle, in coordinates of the mesh; `None` where no triangle has this id.
     fn corners(&self, triangle: u32) -> Option<[[f32; 3]; 3]>;
 
     /// The nearest hit with `t_min ≤ t ≤ t_max`. Equal `t` goes to the lowest triangle id. An invalid ray has none.
@@ -114,6 +118,40 @@ pub trait Tracer: Send + Sync {
         RefinedHit::new(ray, &self.corners(triangle)?)
     }
 
+    /// The nearest hit of a ray in f64, in world coordinates: see [`RayF64`]. Equal `t` goes to the lowest triangle id.
+    fn closest_f64(&self, ray: &RayF64) -> Option<HitF64> {
+        self.query().closest_f64(ray)
+    }
+
+    /// Whether the ray hits anything with `t_min ≤ t ≤ t_max`, in f64 and in world coordinates.
+    fn any_f64(&self, ray: &RayF64) -> bool {
+        self.query().any_f64(ray)
+    }
+
+    /// All hits with `t_min ≤ t ≤ t_max`, in f64 and in world coordinates, each triangle once, sorted by `t` and then by triangle id.
+    fn all_f64(&self, ray: &RayF64) -> Vec<HitF64> {
+        let mut hits = Vec::new();
+        self.query().first_f64(ray, usize::MAX, &mut hits);
+        hits
+    }
+
+    /// [`Tracer::crossings`] of a ray in f64, in world coordinates.
+    fn crossings_f64(&self, ray: &RayF64) -> Crossings {
+        let ray = ExactRay::in_world(ray, self.origin());
+        ray.map_or_else(Crossings::default, |ray| Crossings::of_exact(self.as_dyn(), ray, &mut Vec::new()))
+    }
+
+    /// [`Tracer::contains`] of a point in world coordinates.
+    fn contains_f64(&self, point: [f64; 3]) -> bool {
+        let origin = self.origin();
+        inside::contains(self.as_dyn(), [0, 1, 2].map(|k| point[k] - origin[k]), &mut Vec::new())
+    }
+
+    /// [`Tracer::refine`] of a hit that a verb which ends in `_f64` found; the point is in world coordinates.
+    fn refine_f64(&self, ray: &RayF64, triangle: u32) -> Option<RefinedHit> {
+        RefinedHit::in_world(ray, self.origin(), &self.corners(triangle)?)
+    }
+
     /// Asks about one ray or point with options: see [`Query`].
     fn query(&self) -> Query<'_> {
         Query::new(self.as_dyn())
@@ -146,6 +184,16 @@ pub trait Tracer: Send + Sync {
         max_distance: f32,
         conditions: Conditions<'_>,
     ) -> Option<NearestPoint>;
+
+    #[doc(hidden)]
+    fn several_with(
+        &self,
+        point: [f32; 3],
+        max_distance: f32,
+        most: usize,
+        conditions: Conditions<'_>,
+        found: &mut Vec<NearestPoint>,
+    );
 
     #[doc(hidden)]
     fn closest_batch(&self, job: BatchJob<'_>, hits: &mut [Option<Hit>]);

@@ -9,6 +9,9 @@ pub(crate) trait Walk: Send + Sync {
     /// [`Tracer::bounds`](super::Tracer::bounds).
     fn extent(&self) -> Aabb;
 
+    /// [`Tracer::origin`](super::Tracer::origin).
+    fn place(&self) -> [f64; 3];
+
     /// [`Tracer::corners`](super::Tracer::corners).
     fn triangle(&self, id: u32) -> Option<[[f32; 3]; 3]>;
 
@@ -59,6 +62,22 @@ pub(crate) trait Walk: Send + Sync {
         search.into_nearest()
     }
 
+    fn ask_several(
+        &self,
+        point: [f32; 3],
+        max_distance: f32,
+        most: usize,
+        conditions: Conditions<'_>,
+        found: &mut Vec<NearestPoint>,
+    ) {
+        let search = Search::new(point, max_distance, &self.extent(), conditions);
+        if let Some(search) = search.filter(|_| most > 0) {
+            let mut search = search.several(most);
+            self.search(&mut search);
+            search.add_to(found);
+        }
+    }
+
     /// Closest hits of a batch; ray by ray where there is nothing faster.
     fn closest_hits(&self, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {
         for (at, (ray, hit)) in job.rays.iter().zip(hits).enumerate() {
@@ -85,6 +104,10 @@ macro_rules! tracer {
 
             fn bounds(&self) -> Aabb {
                 self.extent()
+            }
+
+            fn origin(&self) -> [f64; 3] {
+                self.place()
             }
 
             fn corners(&self, triangle: u32) -> Option<[[f32; 3]; 3]> {
@@ -114,6 +137,17 @@ macro_rules! tracer {
                 conditions: Conditions<'_>,
             ) -> Option<NearestPoint> {
                 self.ask_nearest(point, max_distance, conditions)
+            }
+
+            fn several_with(
+                &self,
+                point: [f32; 3],
+                max_distance: f32,
+                most: usize,
+                conditions: Conditions<'_>,
+                found: &mut Vec<NearestPoint>,
+            ) {
+                self.ask_several(point, max_distance, most, conditions, found);
             }
 
             fn closest_batch(&self, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {

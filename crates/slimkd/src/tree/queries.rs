@@ -5,8 +5,8 @@ use crate::geometry::{Aabb, Hit, Ray};
 use crate::layout::{Nodes, with_nodes};
 use crate::query::{BatchJob, Walk, tracer};
 use crate::traverse::{
-    AnyHits, ClosestHits, Conditions, ExactQuery, NearestPoint, PreparedRay, RayConditions, Search, Sink, Stream, Traced,
-    finish_strays, search_tree, traverse, traverse_exactly,
+    AnyHits, ClosestHits, Conditions, ExactQuery, NearestPoint, PreparedRay, RayConditions, Search, Sink,
+    Stream, Traced, finish_strays, search_tree, traverse, traverse_exactly,
 };
 
 /// Batches below this go ray by ray: a stream is not worth setting up.
@@ -17,6 +17,10 @@ tracer!(KdTree);
 impl Walk for KdTree {
     fn extent(&self) -> Aabb {
         self.bounds
+    }
+
+    fn place(&self) -> [f64; 3] {
+        self.mesh.origin()
     }
 
     fn triangle(&self, id: u32) -> Option<[[f32; 3]; 3]> {

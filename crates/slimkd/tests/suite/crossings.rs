@@ -2,8 +2,8 @@
 //!
 //! The rays of one test run are few; `scripts/crossings` takes as many as one likes (`SLIMKD_CROSSING_RAYS` in all, on `SLIMKD_WORKERS` threads).
 
-use crate::common::{Rng, hard_rays, how_many, on_workers, push_box, soup, sphere, variants, workers};
 use crate::cells::Cells;
+use crate::common::{Rng, hard_rays, how_many, on_workers, push_box, soup, sphere, variants, workers};
 use crate::exact::displaced_crossing;
 use slimkd::{BruteForce, Crossings, KdTree, OpenTree, Preset, Ray, Tracer, TriangleMesh};
 use std::sync::Arc;
@@ -27,7 +27,8 @@ fn aimed_rays(mesh: &TriangleMesh, count: usize, seed: u64) -> Vec<Ray> {
             2 => std::array::from_fn(|k| 2.0 * target[k] - other[k]),
             _ => std::array::from_fn(|k| target[k] + if rng.below(2) == 0 { 1.0 } else { 0.0 }),
         };
-        let range = [(0.0, f32::INFINITY), (0.0, 1.0), (1.0, 2.0), (f32::NEG_INFINITY, f32::INFINITY)][rng.below(4)];
+        let range =
+            [(0.0, f32::INFINITY), (0.0, 1.0), (1.0, 2.0), (f32::NEG_INFINITY, f32::INFINITY)][rng.below(4)];
         rays.push(Ray::new(origin, sub(target, origin)).with_range(range.0, range.1));
     }
     rays
@@ -185,7 +186,8 @@ fn points_near_a_surface_are_on_the_right_side() {
         }
         beside += 1;
         let target = mesh.vertices()[rng.below(6)];
-        for direction in [sub(target, point), rng.point().map(|x| x - 0.5), [0.0, 0.0, 1.0], [-1.0, 1.0, 0.0]] {
+        for direction in [sub(target, point), rng.point().map(|x| x - 0.5), [0.0, 0.0, 1.0], [-1.0, 1.0, 0.0]]
+        {
             let crossings = tree.crossings(&Ray::new(point, direction));
             assert_eq!(crossings.signed(), i64::from(sum < 1.0), "{point:?} {direction:?}");
             assert_eq!(crossings.count() % 2 == 1, sum < 1.0, "{point:?} {direction:?}");

@@ -35,7 +35,8 @@ fn points_in_cells_and_on_their_walls() {
     let cells = Cells::new(5, 3);
     let mesh = Arc::new(cells.mesh(0.0));
     let points = points_of_cells(&cells, 3000);
-    let walls = points.iter().filter(|p| (0..mesh.len() as u32).any(|id| lies_on(**p, &mesh.corners(id)))).count();
+    let walls =
+        points.iter().filter(|p| (0..mesh.len() as u32).any(|id| lies_on(**p, &mesh.corners(id)))).count();
     assert!(walls > 300, "{walls}");
     for (variant, options) in variants() {
         let tree = KdTree::build(Arc::clone(&mesh), &options).unwrap();
@@ -45,7 +46,8 @@ fn points_in_cells_and_on_their_walls() {
             assert_eq!(inside, is_in_cells(&cells, *point), "{variant} {point:?}");
         }
     }
-    let (tree, oracle) = (KdTree::build(Arc::clone(&mesh), &Preset::Tiny.into()).unwrap(), BruteForce::new(&mesh));
+    let (tree, oracle) =
+        (KdTree::build(Arc::clone(&mesh), &Preset::Tiny.into()).unwrap(), BruteForce::new(&mesh));
     let mut bytes = Vec::new();
     tree.write(&mut bytes).unwrap();
     let open = OpenTree::open(bytes).unwrap();
@@ -74,7 +76,11 @@ fn a_grid_says_what_its_points_say() {
     ] {
         let tree = KdTree::build(mesh, &Preset::Slim.into()).unwrap();
         let bounds = tree.bounds();
-        let whole = Grid { first: bounds.min.map(|x| f64::from(x) - 0.5), step: [0.25, 0.5, 0.125], size: [25, 12, 40] };
+        let whole = Grid {
+            first: bounds.min.map(|x| f64::from(x) - 0.5),
+            step: [0.25, 0.5, 0.125],
+            size: [25, 12, 40],
+        };
         let flat = Grid { first: [0.5; 3], step: [0.0, 0.25, 0.0], size: [2, 9, 1] };
         for grid in [whole, flat, Grid::over(&bounds, 0.3), Grid { size: [7, 0, 3], ..whole }] {
             let mut inside = vec![true; grid.len()];
@@ -126,7 +132,8 @@ fn a_distance_has_the_sign_of_its_side() {
 fn winding_numbers_are_whole_in_closed_meshes_and_reasonable_in_open_ones() {
     let cells = Cells::new(5, 4);
     let mesh = cells.mesh(0.0);
-    let (fast, slow) = (WindingNumbers::new(mesh.clone()), WindingNumbers::new(mesh).with_accuracy(f64::INFINITY));
+    let (fast, slow) =
+        (WindingNumbers::new(mesh.clone()), WindingNumbers::new(mesh).with_accuracy(f64::INFINITY));
     let mut rng = Rng::new(2);
     let points: Vec<[f32; 3]> =
         (0..2000).map(|_| std::array::from_fn(|_| rng.below(7) as f32 - 0.9 + 0.8 * rng.unit())).collect();
@@ -164,8 +171,10 @@ fn a_surface_is_closed_by_its_positions() {
     assert_eq!(Cells::new(5, 4).mesh(0.0).surface(), Surface::Oriented);
     assert_eq!(soup(5, 1.0, 0.0, 1).surface(), Surface::Open);
     // A flat triangle closes the gap at a T-junction; a triangle that is nowhere bounds nothing.
-    let mut vertices = vec![[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0], [2.0, 0.0, 0.0], [f32::NAN; 3]];
-    let mut triangles = vec![[0, 2, 4], [4, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3], [0, 4, 1], [0, 1, 5], [1, 1, 2]];
+    let mut vertices =
+        vec![[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0], [2.0, 0.0, 0.0], [f32::NAN; 3]];
+    let mut triangles =
+        vec![[0, 2, 4], [4, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3], [0, 4, 1], [0, 1, 5], [1, 1, 2]];
     let closed = |vertices: &[[f32; 3]], triangles: &[[u32; 3]]| {
         TriangleMesh::new(vertices.to_vec(), triangles.to_vec()).unwrap().surface()
     };
@@ -175,4 +184,50 @@ fn a_surface_is_closed_by_its_positions() {
     assert_eq!(closed(&vertices, &triangles), Surface::Closed);
     triangles.remove(5);
     assert_eq!(closed(&vertices, &triangles), Surface::Open);
+}
+
+#[test]
+fn several_nearest_triangles_are_those_of_a_sorted_list() {
+    let mesh = Arc::new(soup(150, 1.0, 3.0, 5));
+    // Each triangle's own nearest point, by a tree of that triangle alone.
+    let alone: Vec<TriangleMesh> = (0..mesh.len() as u32)
+        .map(|id| TriangleMesh::new(mesh.corners(id).to_vec(), vec![[0, 1, 2]]).unwrap())
+        .collect();
+    let mut rng = Rng::new(6);
+    let points: Vec<[f32; 3]> = (0..60).map(|_| rng.point().map(|x| 2.5 + 2.0 * x)).collect();
+    let sorted: Vec<Vec<(f32, u32)>> = points
+        .iter()
+        .map(|point| {
+            let mut list: Vec<(f32, u32)> = (0..mesh.len() as u32)
+                .map(|id| {
+                    let own = BruteForce::new(&alone[id as usize]).nearest(*point, f32::INFINITY).unwrap();
+                    (own.distance, id)
+                })
+                .collect();
+            list.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            list
+        })
+        .collect();
+    for (variant, options) in variants() {
+        let tree = KdTree::build(Arc::clone(&mesh), &options).unwrap();
+        let mut found = Vec::new();
+        for (i, (point, sorted)) in points.iter().zip(&sorted).enumerate() {
+            let most = [0, 1, 2, 7, 1000, usize::MAX][i % 6];
+            let radius = [f32::INFINITY, 0.5 * (sorted[9].0 + sorted[10].0), 0.0][i / 6 % 3];
+            let except = sorted[3].1;
+            tree.query().except(except).nearest_several(*point, radius, most, &mut found);
+            let expected =
+                sorted.iter().filter(|(distance, id)| *distance <= radius && *id != except).take(most);
+            // Distances that f32 cannot tell apart may be in another order, as f64 decides.
+            let expected: Vec<f32> = expected.map(|(distance, _)| *distance).collect();
+            let distances: Vec<f32> = found.iter().map(|found| found.distance).collect();
+            assert_eq!(distances, expected, "{variant} {point:?} {most} {radius}");
+            let own = |triangle: u32| sorted.iter().find(|(_, id)| *id == triangle).unwrap().0;
+            assert!(found.iter().all(|found| own(found.triangle) == found.distance), "{variant} {point:?}");
+            let nearest = tree.query().except(except).nearest(*point, radius);
+            if most > 0 {
+                assert_eq!(found.first().copied(), nearest, "{variant} {point:?}");
+            }
+        }
+    }
 }

@@ -27,3 +27,4 @@ mod segments;
 mod soups;
 mod streams;
 mod watertight;
+mod world;

@@ -328,7 +328,8 @@ pub fn displaced_crossing(ray: &Ray, corners: &Corners) -> i32 {
         Sign::NoSign => 0,
         Sign::Minus => -1,
     };
-    let sides = [(1, 2), (2, 0), (0, 1)].map(|(p, q)| sign(exact_determinant(&direction, &seen[p], &seen[q])));
+    let sides =
+        [(1, 2), (2, 0), (0, 1)].map(|(p, q)| sign(exact_determinant(&direction, &seen[p], &seen[q])));
     if sides[0] == 0 || sides != [sides[0]; 3] {
         return 0;
     }
