@@ -13,7 +13,10 @@ use crate::layout::plain::CheckedPlain;
 use crate::layout::{Nodes, Planes};
 use crate::options::BuildOptions;
 use crate::query::{BatchJob, Tracer, Walk, tracer};
-use crate::traverse::{Conditions, NearestPoint, PreparedRay, Search, Sink, Traced, search_tree, traverse};
+use crate::traverse::{
+    Conditions, ExactQuery, NearestPoint, PreparedRay, Search, Sink, Traced, search_tree, traverse,
+    traverse_exactly,
+};
 use crate::tree::KdTree;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -84,6 +87,7 @@ pub struct OpenTree<B> {
 struct Sections {
     options: BuildOptions,
     shape: Shape,
+    origin: [f64; 3],
     vertices: Range<usize>,
     triangles: Range<usize>,
     layout: Layout,
@@ -110,13 +114,14 @@ impl<B: AsRef<[u8]>> OpenTree<B> {
         if end != all.len() as u64 {
             return damaged("its length is wrong");
         }
-        let (mut build_options, mut shape) = (None, None);
+        let (mut build_options, mut shape, mut origin) = (None, None, [0.0; 3]);
         let [mut vertices, mut triangles, mut nodes, mut wide, mut narrow, mut dense] = [const { None }; 6];
         for entry in &table.entries {
             let range = entry.offset as usize..(entry.offset + entry.length) as usize;
             match entry.kind {
                 Kind::OPTIONS => build_options = options::get(&small(all, entry, options::LIMIT)?),
                 Kind::SHAPE => shape = Some(Shape::get(&small(all, entry, shape::LENGTH)?)?),
+                Kind::ORIGIN => origin = shape::get_origin(&small(all, entry, shape::ORIGIN_LENGTH)?)?,
                 Kind::VERTICES => vertices = Some(range),
                 Kind::TRIANGLES => triangles = Some(range),
                 NODES => nodes = Some(range),
@@ -153,7 +158,7 @@ impl<B: AsRef<[u8]>> OpenTree<B> {
             }
             _ => return damaged("it has no tree, or two"),
         };
-        let tree = Sections { options, shape, vertices, triangles, layout };
+        let tree = Sections { options, shape, origin, vertices, triangles, layout };
         Ok(Self { bytes, tree, broken: AtomicBool::new(false) })
     }
 
@@ -272,6 +277,10 @@ impl Walk for Opened<'_> {
         self.tree.shape.bounds
     }
 
+    fn place(&self) -> [f64; 3] {
+        self.tree.origin
+    }
+
     fn triangle(&self, id: u32) -> Option<[[f32; 3]; 3]> {
         self.mesh().find(id)
     }
@@ -283,6 +292,11 @@ impl Walk for Opened<'_> {
                 traverse(nodes, shape.depth, &prepared, sink);
             }
         });
+    }
+
+    fn walk_exact(&self, query: &mut ExactQuery<'_>) {
+        let Shape { depth, ref bounds, .. } = self.tree.shape;
+        with_checked_nodes!(self, nodes => traverse_exactly(Traced { nodes, depth, bounds }, query));
     }
 
     fn search(&self, search: &mut Search<'_>) {
@@ -298,6 +312,10 @@ impl<B: AsRef<[u8]> + Send + Sync> Tracer for OpenTree<B> {
 
     fn bounds(&self) -> Aabb {
         self.opened().bounds()
+    }
+
+    fn origin(&self) -> [f64; 3] {
+        self.tree.origin
     }
 
     fn corners(&self, triangle: u32) -> Option<[[f32; 3]; 3]> {
@@ -316,6 +334,10 @@ impl<B: AsRef<[u8]> + Send + Sync> Tracer for OpenTree<B> {
         self.opened().first_with(ray, most, conditions, hits);
     }
 
+    fn exact_with(&self, query: &mut ExactQuery<'_>) {
+        self.opened().exact_with(query);
+    }
+
     fn nearest_with(
         &self,
         point: [f32; 3],
@@ -323,6 +345,17 @@ impl<B: AsRef<[u8]> + Send + Sync> Tracer for OpenTree<B> {
         conditions: Conditions<'_>,
     ) -> Option<NearestPoint> {
         self.opened().nearest_with(point, max_distance, conditions)
+    }
+
+    fn several_with(
+        &self,
+        point: [f32; 3],
+        max_distance: f32,
+        most: usize,
+        conditions: Conditions<'_>,
+        found: &mut Vec<NearestPoint>,
+    ) {
+        self.opened().several_with(point, max_distance, most, conditions, found);
     }
 
     fn closest_batch(&self, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {

@@ -7,12 +7,14 @@
 //! | `sink.rs`, `conditions.rs` | what a query does with hits, and which of them count |
 //! | `stream/` | batches in any order: a ray in each lane |
 //! | `packet/` | coherent batches: 64 rays share one walk |
+//! | `exact.rs` | queries that decide each triangle exactly, in f64 |
 //! | `nearest.rs` | the nearest point |
 //! | `cost.rs`, `counters.rs` | what one ray costs in a tree; what kernels do, counted |
 
 mod conditions;
 mod cost;
 mod counters;
+mod exact;
 mod nearest;
 mod packet;
 mod prepared;
@@ -24,6 +26,7 @@ pub(crate) use conditions::{Conditions, RayConditions};
 pub(crate) use cost::Costed;
 pub use cost::RayCost;
 pub use counters::Counters;
+pub(crate) use exact::{Crossing, ExactQuery, traverse_exactly};
 pub use nearest::NearestPoint;
 pub(crate) use nearest::{Search, search_tree};
 pub(crate) use packet::{AnyHits, ClosestHits, finish as finish_strays};

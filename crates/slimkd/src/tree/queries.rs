@@ -5,8 +5,8 @@ use crate::geometry::{Aabb, Hit, Ray};
 use crate::layout::{Nodes, with_nodes};
 use crate::query::{BatchJob, Walk, tracer};
 use crate::traverse::{
-    AnyHits, ClosestHits, Conditions, NearestPoint, PreparedRay, RayConditions, Search, Sink, Stream, Traced,
-    finish_strays, search_tree, traverse,
+    AnyHits, ClosestHits, Conditions, ExactQuery, NearestPoint, PreparedRay, RayConditions, Search, Sink,
+    Stream, Traced, finish_strays, search_tree, traverse, traverse_exactly,
 };
 
 /// Batches below this go ray by ray: a stream is not worth setting up.
@@ -19,6 +19,10 @@ impl Walk for KdTree {
         self.bounds
     }
 
+    fn place(&self) -> [f64; 3] {
+        self.mesh.origin()
+    }
+
     fn triangle(&self, id: u32) -> Option<[[f32; 3]; 3]> {
         ((id as usize) < self.mesh.len()).then(|| self.mesh.corners(id))
     }
@@ -29,6 +33,10 @@ impl Walk for KdTree {
                 traverse(nodes, self.depth, &prepared, sink);
             }
         });
+    }
+
+    fn walk_exact(&self, query: &mut ExactQuery<'_>) {
+        with_nodes!(self, nodes => traverse_exactly(self.traced(nodes), query));
     }
 
     fn search(&self, search: &mut Search<'_>) {
