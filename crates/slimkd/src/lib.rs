@@ -22,12 +22,14 @@
 //!
 //! # Asking
 //!
-//! All questions are in the trait [`Tracer`]: the verbs `closest`, `any`, `all`, `count` and `nearest`.
+//! All questions are in the trait [`Tracer`]: the verbs `closest`, `any`, `all`, `count`, `crossings`, `contains`, `visible` and
+//! `nearest`.
 //!
 //! - One ray: `tree.closest(&ray)`.
 //! - One ray with options: `tree.query().except(triangle).filter(&mut |hit| …).closest(&ray)`, see [`Query`].
 //! - Many rays: `tree.batch().coherent().threads(0).closest(&rays, &mut hits)`, see [`Batch`]. Batches trace several times as
 //!   fast as single rays. The hits are the same.
+//! - What lies between two points: `tree.visible(a, b)`, many at a time `tree.batch().visible(&segments, &mut visible)`.
 //! - A hit in f64, with its point, its unit normal and its side: `tree.refine(&ray, hit.triangle)`, see [`Tracer::refine`].
 //! - The value at the hit of an attribute that the vertices have (a shading normal, a colour): [`Hit::interpolate`]. A mesh and a
 //!   tree hold no attributes; keep them in arrays of your own, and find the three values by the triangle's vertex indices.
@@ -38,6 +40,12 @@
 //! a hit has `t_min ≤ t ≤ t_max`; triangles are two-sided. The test is watertight, and its answer does not depend on the
 //! tree: every preset, kernel and thread count gives the same hit to the last bit, [`BruteForce`] too. Equal `t` goes to the
 //! lowest id. Collinear triangles and those with a NaN or infinite corner keep their id and never hit.
+//!
+//! # Inside and outside
+//!
+//! [`Tracer::crossings`] counts how often a ray goes through the surface, exactly, and [`Tracer::contains`], [`Tracer::signed_distance`]
+//! and [`Batch::occupancy`] rest on it. They mean something where the mesh is closed, which [`TriangleMesh::surface`] tells; for others there are
+//! [`WindingNumbers`].
 //!
 //! # Ambient occlusion, shadows and other rays that start on a surface
 //!
@@ -118,7 +126,7 @@ mod tree;
 #[doc(inline)]
 pub use file::{FileError, OpenTree};
 #[doc(inline)]
-pub use geometry::{Aabb, Hit, MeshError, Ray, RefinedHit, TriangleMesh};
+pub use geometry::{Aabb, Hit, HitF64, MeshError, Ray, RayF64, RefinedHit, Surface, TriangleMesh};
 #[doc(inline)]
 pub use job::Progress;
 #[doc(inline)]
@@ -129,7 +137,10 @@ pub use options::{
     TreeBudget, UnknownName,
 };
 #[doc(inline)]
-pub use query::{Batch, BatchHits, BruteForce, HitColumns, Hits, Query, RayColumns, Rays, Tracer};
+pub use query::{
+    Batch, BatchHits, BruteForce, Crossings, Grid, HitColumns, Hits, Query, RayColumns, Rays, Segment,
+    Tracer, WindingNumbers,
+};
 #[doc(inline)]
 pub use simd::{InstructionSet, UnknownInstructionSet};
 #[doc(inline)]

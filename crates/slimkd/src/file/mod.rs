@@ -11,6 +11,7 @@
 //! | options | preset and build options | `options.rs` |
 //! | shape | counts, bounds, depth, the mesh's hash | `shape.rs` |
 //! | vertices, triangles | the mesh; both or neither | here |
+//! | origin | where the mesh is in the world; only with a mesh, and where it is not 0 | `shape.rs` |
 //! | nodes, indices… | the encoded tree | `sections.rs` |
 //!
 //! Every build of the same scene with the same options gives the same file: it holds no thread count, time or path, and
@@ -157,6 +158,9 @@ impl KdTree {
         if with_mesh {
             sections.push((Kind::VERTICES, le_bytes(self.mesh.vertices())));
             sections.push((Kind::TRIANGLES, le_bytes(self.mesh.triangles())));
+            if self.mesh.origin() != [0.0; 3] {
+                sections.push((Kind::ORIGIN, shape::put_origin(self.mesh.origin()).into()));
+            }
         }
         sections.extend(sections::put(&self.encoded));
         table::write(to, &sections)?;
@@ -213,6 +217,7 @@ fn read(from: &mut impl Read, given: Option<Arc<TriangleMesh>>) -> Result<KdTree
     let mut position = table.end();
     let (mut build_options, mut shape) = (None, None);
     let (mut vertices, mut triangles) = (None::<Vec<[f32; 3]>>, None::<Vec<[u32; 3]>>);
+    let mut origin = None;
     let mut parts = Parts::default();
     for entry in &table.entries {
         let section = Section::start(from, &mut position, entry)?;
@@ -225,7 +230,10 @@ fn read(from: &mut impl Read, given: Option<Arc<TriangleMesh>>) -> Result<KdTree
             Kind::SHAPE => shape = Some(Shape::get(&section.read_at_most(shape::LENGTH)?)?),
             Kind::VERTICES if given.is_none() => vertices = Some(section.read()?),
             Kind::TRIANGLES if given.is_none() => triangles = Some(section.read()?),
-            Kind::VERTICES | Kind::TRIANGLES => section.skip()?,
+            Kind::ORIGIN if given.is_none() => {
+                origin = Some(shape::get_origin(&section.read_at_most(shape::ORIGIN_LENGTH)?)?);
+            }
+            Kind::VERTICES | Kind::TRIANGLES | Kind::ORIGIN => section.skip()?,
             _ => sections::take(&mut parts, section)?,
         }
     }
@@ -237,8 +245,11 @@ fn read(from: &mut impl Read, given: Option<Arc<TriangleMesh>>) -> Result<KdTree
     };
     let mesh = match (given, vertices, triangles) {
         (Some(mesh), ..) => mesh,
-        (None, Some(vertices), Some(triangles)) => Arc::new(TriangleMesh::new(vertices, triangles)?),
-        (None, None, None) => {
+        (None, Some(vertices), Some(triangles)) => {
+            let mesh = TriangleMesh::new(vertices, triangles)?;
+            Arc::new(mesh.with_origin(origin.unwrap_or_default()))
+        }
+        (None, None, None) if origin.is_none() => {
             return Err(FileError::MeshMissing { vertices: shape.vertices, triangles: shape.triangles });
         }
         _ => return damaged("half of its mesh is missing"),

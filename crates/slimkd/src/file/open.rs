@@ -15,8 +15,8 @@ use crate::layout::{Nodes, Planes, WideNode, WideNodes};
 use crate::options::BuildOptions;
 use crate::query::{BatchJob, Tracer, Walk, tracer};
 use crate::traverse::{
-    Conditions, NearestPoint, PreparedRay, Search, Sink, Traced, search_tree, search_wide, traverse,
-    walk_exactly,
+    Conditions, ExactQuery, NearestPoint, PreparedRay, Search, Sink, Traced, search_tree, search_wide,
+    traverse, traverse_exactly, traverse_wide_exactly, walk_in_f64,
 };
 use crate::tree::KdTree;
 use std::ops::Range;
@@ -88,6 +88,7 @@ pub struct OpenTree<B> {
 struct Sections {
     options: BuildOptions,
     shape: Shape,
+    origin: [f64; 3],
     vertices: Range<usize>,
     triangles: Range<usize>,
     layout: Layout,
@@ -115,7 +116,7 @@ impl<B: AsRef<[u8]>> OpenTree<B> {
         if end != all.len() as u64 {
             return damaged("its length is wrong");
         }
-        let (mut build_options, mut shape) = (None, None);
+        let (mut build_options, mut shape, mut origin) = (None, None, [0.0; 3]);
         let [mut vertices, mut triangles, mut nodes, mut wide, mut narrow, mut dense] = [const { None }; 6];
         let [mut wide_nodes, mut wide_leaves] = [const { None }; 2];
         for entry in &table.entries {
@@ -123,6 +124,7 @@ impl<B: AsRef<[u8]>> OpenTree<B> {
             match entry.kind {
                 Kind::OPTIONS => build_options = options::get(&small(all, entry, options::LIMIT)?),
                 Kind::SHAPE => shape = Some(Shape::get(&small(all, entry, shape::LENGTH)?)?),
+                Kind::ORIGIN => origin = shape::get_origin(&small(all, entry, shape::ORIGIN_LENGTH)?)?,
                 Kind::VERTICES => vertices = Some(range),
                 Kind::TRIANGLES => triangles = Some(range),
                 NODES => nodes = Some(range),
@@ -170,7 +172,7 @@ impl<B: AsRef<[u8]>> OpenTree<B> {
             }
             _ => return damaged("it has no tree, or two"),
         };
-        let tree = Sections { options, shape, vertices, triangles, layout };
+        let tree = Sections { options, shape, origin, vertices, triangles, layout };
         Ok(Self { bytes, tree, broken: AtomicBool::new(false) })
     }
 
@@ -302,6 +304,10 @@ impl Walk for Opened<'_> {
         self.tree.shape.bounds
     }
 
+    fn place(&self) -> [f64; 3] {
+        self.tree.origin
+    }
+
     fn triangle(&self, id: u32) -> Option<[[f32; 3]; 3]> {
         self.mesh().find(id)
     }
@@ -314,8 +320,15 @@ impl Walk for Opened<'_> {
             }
         }, wide => {
             if let Some(prepared) = PreparedRay::new(ray, &shape.bounds, &wide.planes()) {
-                walk_exactly(wide, &prepared, sink);
+                walk_in_f64(wide, &prepared, sink);
             }
+        });
+    }
+
+    fn walk_exact(&self, query: &mut ExactQuery<'_>) {
+        let Shape { depth, ref bounds, .. } = self.tree.shape;
+        with_checked_nodes!(self, nodes => traverse_exactly(Traced { nodes, depth, bounds }, query), wide => {
+            traverse_wide_exactly(wide, bounds, query)
         });
     }
 
@@ -334,6 +347,10 @@ impl<B: AsRef<[u8]> + Send + Sync> Tracer for OpenTree<B> {
         self.opened().bounds()
     }
 
+    fn origin(&self) -> [f64; 3] {
+        self.tree.origin
+    }
+
     fn corners(&self, triangle: u32) -> Option<[[f32; 3]; 3]> {
         self.opened().corners(triangle)
     }
@@ -350,6 +367,10 @@ impl<B: AsRef<[u8]> + Send + Sync> Tracer for OpenTree<B> {
         self.opened().first_with(ray, most, conditions, hits);
     }
 
+    fn exact_with(&self, query: &mut ExactQuery<'_>) {
+        self.opened().exact_with(query);
+    }
+
     fn nearest_with(
         &self,
         point: [f32; 3],
@@ -357,6 +378,17 @@ impl<B: AsRef<[u8]> + Send + Sync> Tracer for OpenTree<B> {
         conditions: Conditions<'_>,
     ) -> Option<NearestPoint> {
         self.opened().nearest_with(point, max_distance, conditions)
+    }
+
+    fn several_with(
+        &self,
+        point: [f32; 3],
+        max_distance: f32,
+        most: usize,
+        conditions: Conditions<'_>,
+        found: &mut Vec<NearestPoint>,
+    ) {
+        self.opened().several_with(point, max_distance, most, conditions, found);
     }
 
     fn closest_batch(&self, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {

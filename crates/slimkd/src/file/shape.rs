@@ -24,7 +24,7 @@ pub(super) struct Shape {
 }
 
 impl TriangleMesh {
-    /// A hash of all vertices and triangles in their order (xxh3, 64 bits): the same on every machine. It finds mix-ups,
+    /// A hash of all vertices and triangles in their order, and of an origin that is not 0 (xxh3, 64 bits): the same on every machine. It finds mix-ups,
     /// not forgeries.
     ///
     /// ```
@@ -38,8 +38,29 @@ impl TriangleMesh {
         hash.update(&(self.vertices().len() as u64).to_le_bytes());
         hash.update(&le_bytes(self.vertices()));
         hash.update(&le_bytes(self.triangles()));
+        if self.origin() != [0.0; 3] {
+            hash.update(&put_origin(self.origin()));
+        }
         hash.digest()
     }
+}
+
+/// The section of a mesh's origin: three f64.
+pub(super) fn put_origin(origin: [f64; 3]) -> Vec<u8> {
+    origin.iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+/// Length of that section, bytes.
+pub(super) const ORIGIN_LENGTH: usize = 24;
+
+pub(super) fn get_origin(block: &[u8]) -> Result<[f64; 3], FileError> {
+    let (words, rest) = block.as_chunks::<8>();
+    let Ok(origin) = <[_; 3]>::try_from(words) else { return damaged("its origin is cut off") };
+    let origin = origin.map(f64::from_le_bytes);
+    if !rest.is_empty() || !origin.iter().all(|x| x.is_finite()) || origin == [0.0; 3] {
+        return damaged("its origin makes no sense");
+    }
+    Ok(origin)
 }
 
 impl Shape {

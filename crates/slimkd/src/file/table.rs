@@ -23,7 +23,7 @@ const VERSION: u32 = 3;
 const ALIGNMENT: u64 = 64;
 const HEADER: usize = 64;
 const ENTRY: usize = 32;
-/// Most sections that are believed; there are 7 kinds.
+/// Most sections that are believed; there are 8 kinds.
 const MOST_SECTIONS: u32 = 64;
 
 /// What a section holds.
@@ -35,6 +35,7 @@ impl Kind {
     pub(super) const SHAPE: Self = Self(2);
     pub(super) const VERTICES: Self = Self(3);
     pub(super) const TRIANGLES: Self = Self(4);
+    pub(super) const ORIGIN: Self = Self(5);
     /// The first kind that belongs to the encoded tree; `sections.rs` names them.
     pub(super) const TREE: Self = Self(16);
 }

@@ -13,6 +13,7 @@ use thiserror::Error;
 pub struct TriangleMesh {
     vertices: Buffer<[f32; 3]>,
     triangles: Buffer<[u32; 3]>,
+    origin: [f64; 3],
 }
 
 /// Why a mesh was refused.
@@ -51,7 +52,7 @@ impl TriangleMesh {
     /// 2³² − 1 vertices or triangles, or more.
     pub fn new(vertices: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         Self::check(&vertices, &triangles)?;
-        Ok(Self { vertices: vertices.into(), triangles: triangles.into() })
+        Ok(Self { vertices: vertices.into(), triangles: triangles.into(), origin: [0.0; 3] })
     }
 
     /// Collects vertices and triangles of any type that turns into arrays: points of glam, nalgebra and mint, or your own. This copies
@@ -98,7 +99,8 @@ impl TriangleMesh {
         vertices: Arc<dyn AsRef<[[f32; 3]]> + Send + Sync>,
         triangles: Arc<dyn AsRef<[[u32; 3]]> + Send + Sync>,
     ) -> Result<Self, MeshError> {
-        let mesh = Self { vertices: Buffer::new(vertices), triangles: Buffer::new(triangles) };
+        let (vertices, triangles) = (Buffer::new(vertices), Buffer::new(triangles));
+        let mesh = Self { vertices, triangles, origin: [0.0; 3] };
         Self::check(mesh.vertices(), mesh.triangles())?;
         Ok(mesh)
     }
@@ -117,6 +119,29 @@ impl TriangleMesh {
             }
         }
         Ok(())
+    }
+
+    /// Says where in the world the mesh's coordinates are 0, for meshes that are far from the world's origin: a vertex is at `origin + position`.
+    /// Only what ends in `_f64` takes world coordinates; all else, [`Ray`](crate::Ray) too, stays in the coordinates of the mesh.
+    ///
+    /// ```
+    /// use slimkd::TriangleMesh;
+    /// let world = [[528_980.85, 183_526.1, 0.0], [528_982.3, 183_523.55, 0.0], [528_982.3, 183_523.55, 3.0]];
+    /// let origin = [528_980.0, 183_524.0, 0.0];
+    /// let vertices = world.map(|p: [f64; 3]| [0, 1, 2].map(|k| (p[k] - origin[k]) as f32));
+    /// let mesh = TriangleMesh::new(vertices.into(), vec![[0, 1, 2]])?.with_origin(origin);
+    /// assert_eq!(mesh.origin(), origin);
+    /// # Ok::<(), slimkd::MeshError>(())
+    /// ```
+    #[must_use]
+    pub fn with_origin(mut self, origin: [f64; 3]) -> Self {
+        self.origin = origin;
+        self
+    }
+
+    /// Where in the world the mesh's coordinates are 0; itself 0 unless [`TriangleMesh::with_origin`] set it.
+    pub fn origin(&self) -> [f64; 3] {
+        self.origin
     }
 
     /// The positions of the vertices, in scene units.
@@ -205,13 +230,15 @@ impl TriangleMesh {
 impl Default for TriangleMesh {
     /// A mesh without vertices and triangles.
     fn default() -> Self {
-        Self { vertices: Vec::new().into(), triangles: Vec::new().into() }
+        Self { vertices: Vec::new().into(), triangles: Vec::new().into(), origin: [0.0; 3] }
     }
 }
 
 impl PartialEq for TriangleMesh {
     fn eq(&self, other: &Self) -> bool {
-        self.vertices() == other.vertices() && self.triangles() == other.triangles()
+        self.vertices() == other.vertices()
+            && self.triangles() == other.triangles()
+            && self.origin == other.origin
     }
 }
 

@@ -3,8 +3,8 @@
 //! Determinants are computed in double-double arithmetic (Dekker 1971; Hida, Li & Bailey 2001). Their error is about 2⁻¹⁰⁰ of the sum
 //! of their terms' sizes, so cancellation costs digits of the f64 result only where a triangle is seen at an angle below 10⁻¹⁴.
 
-use super::Ray;
-use std::ops::{Add, Mul, Sub};
+use super::double::{Double, determinant};
+use super::{Ray, RayF64};
 
 /// A hit in f64, as [`Tracer::refine`](crate::Tracer::refine) computes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,69 +27,6 @@ pub struct RefinedHit {
     pub front: bool,
 }
 
-/// An unevaluated sum of two f64, the second below half an ulp of the first.
-#[derive(Clone, Copy, Debug)]
-struct Double(f64, f64);
-
-impl Double {
-    /// The exact difference of two f32.
-    fn difference(a: f32, b: f32) -> Self {
-        two_sum(a.into(), -f64::from(b))
-    }
-
-    fn value(self) -> f64 {
-        self.0 + self.1
-    }
-}
-
-fn two_sum(a: f64, b: f64) -> Double {
-    let sum = a + b;
-    let back = sum - a;
-    Double(sum, (a - (sum - back)) + (b - back))
-}
-
-fn two_product(a: f64, b: f64) -> Double {
-    // Veltkamp's split: exact without a fused multiply-add, which not every target has.
-    let split = |x: f64| {
-        let c = 134_217_729.0 * x;
-        let high = c - (c - x);
-        (high, x - high)
-    };
-    let product = a * b;
-    let ((ah, al), (bh, bl)) = (split(a), split(b));
-    Double(product, ((ah * bh - product) + ah * bl + al * bh) + al * bl)
-}
-
-impl Add for Double {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        let high = two_sum(self.0, other.0);
-        let low = two_sum(self.1, other.1);
-        let Double(high, rest) = two_sum(high.0, high.1 + low.0);
-        two_sum(high, rest + low.1)
-    }
-}
-
-impl Sub for Double {
-    type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        self + Self(-other.0, -other.1)
-    }
-}
-
-impl Mul for Double {
-    type Output = Self;
-    fn mul(self, other: Self) -> Self {
-        let product = two_product(self.0, other.0);
-        two_sum(product.0, product.1 + (self.0 * other.1 + self.1 * other.0))
-    }
-}
-
-fn determinant(a: [Double; 3], b: [Double; 3], c: [Double; 3]) -> Double {
-    let minor = |i: usize, j: usize| b[i] * c[j] - b[j] * c[i];
-    a[0] * minor(1, 2) + a[1] * minor(2, 0) + a[2] * minor(0, 1)
-}
-
 impl RefinedHit {
     /// Where `ray` crosses the plane of a triangle. `None` where the ray runs within the plane, or numbers leave the range of f64.
     ///
@@ -105,11 +42,22 @@ impl RefinedHit {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(ray: &Ray, corners: &[[f32; 3]; 3]) -> Option<Self> {
+        Self::of(ray.origin.map(f64::from), ray.direction.map(f64::from), corners)
+    }
+
+    /// The same for a ray in world coordinates, for a mesh that has its `origin` there; so is the point.
+    pub(crate) fn in_world(ray: &RayF64, origin: [f64; 3], corners: &[[f32; 3]; 3]) -> Option<Self> {
+        let start = std::array::from_fn(|k| ray.origin[k] - origin[k]);
+        let found = Self::of(start, ray.direction, corners)?;
+        Some(Self { point: std::array::from_fn(|k| origin[k] + found.point[k]), ..found })
+    }
+
+    fn of(origin: [f64; 3], direction: [f64; 3], corners: &[[f32; 3]; 3]) -> Option<Self> {
         let [a, b, c] = *corners;
         let minus = |p: [f32; 3], q: [f32; 3]| std::array::from_fn(|k| Double::difference(p[k], q[k]));
-        let (e1, e2, to_corner): ([Double; 3], [Double; 3], _) =
-            (minus(b, a), minus(c, a), minus(a, ray.origin));
-        let direction = ray.direction.map(|x| Double(x.into(), 0.0));
+        let (e1, e2): ([Double; 3], [Double; 3]) = (minus(b, a), minus(c, a));
+        let to_corner = std::array::from_fn(|k| Double::difference(a[k], origin[k]));
+        let direction = direction.map(|x| Double(x, 0.0));
         let whole = determinant(direction, e1, e2).value();
         let part = |determinant: Double| determinant.value() / whole;
         let t = part(determinant(to_corner, e1, e2));

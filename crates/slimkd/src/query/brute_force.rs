@@ -3,7 +3,7 @@
 use super::{BatchJob, Walk, tracer};
 use crate::geometry::{Aabb, Hit, Ray, TriangleMesh};
 use crate::layout::Planes;
-use crate::traverse::{Conditions, NearestPoint, PreparedRay, Search, Sink};
+use crate::traverse::{Conditions, ExactQuery, NearestPoint, PreparedRay, Search, Sink};
 
 /// Answers queries without a tree, in O(triangles). Every tree must give the answers that this gives, to the last bit.
 ///
@@ -49,6 +49,10 @@ impl Walk for BruteForce<'_> {
         self.bounds
     }
 
+    fn place(&self) -> [f64; 3] {
+        self.mesh.origin()
+    }
+
     fn triangle(&self, id: u32) -> Option<[[f32; 3]; 3]> {
         ((id as usize) < self.mesh.len()).then(|| self.mesh.corners(id))
     }
@@ -59,6 +63,14 @@ impl Walk for BruteForce<'_> {
             0 => self.offer_along::<0>(&prepared, sink),
             1 => self.offer_along::<1>(&prepared, sink),
             _ => self.offer_along::<2>(&prepared, sink),
+        }
+    }
+
+    fn walk_exact(&self, query: &mut ExactQuery<'_>) {
+        for &id in &self.triangles {
+            if query.decide(&self.mesh.corners(id), id) == Some(true) {
+                return;
+            }
         }
     }
 

@@ -25,6 +25,13 @@ impl Rays<'_> {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
+
+    pub(super) fn get(&self, at: usize) -> Ray {
+        match self {
+            Self::Slice(rays) => rays[at],
+            Self::Columns(columns) => columns.ray(at),
+        }
+    }
 }
 
 impl<'a> From<&'a [Ray]> for Rays<'a> {

@@ -1,8 +1,8 @@
 //! Questions about one ray or one point, with options.
 
 use super::Tracer;
-use crate::geometry::{Hit, Ray};
-use crate::traverse::{Conditions, NearestPoint};
+use crate::geometry::{ExactRay, Hit, HitF64, Ray, RayF64};
+use crate::traverse::{Conditions, ExactQuery, NearestPoint};
 
 /// A question about one ray or one point, with options: make it by [`Tracer::query`], set options, then call a verb.
 ///
@@ -79,6 +79,58 @@ impl<'a> Query<'a> {
     /// [`Tracer::count`] with these options.
     pub fn count(self, ray: &Ray) -> usize {
         self.all(ray).len()
+    }
+
+    /// [`Tracer::closest_f64`] with these options. A filter gets the hit rounded to f32.
+    pub fn closest_f64(self, ray: &RayF64) -> Option<HitF64> {
+        let ray = ExactRay::in_world(ray, self.tracer.origin())?;
+        let mut query = ExactQuery::closest(ray, self.conditions);
+        self.tracer.exact_with(&mut query);
+        query.into_hit()
+    }
+
+    /// [`Tracer::any_f64`] with these options. A filter gets the hit rounded to f32.
+    pub fn any_f64(self, ray: &RayF64) -> bool {
+        let Some(ray) = ExactRay::in_world(ray, self.tracer.origin()) else { return false };
+        let mut query = ExactQuery::any(ray, self.conditions);
+        self.tracer.exact_with(&mut query);
+        query.into_hit().is_some()
+    }
+
+    /// The first `most` hits along the ray, in the order of [`Tracer::all_f64`], written over what `hits` held. A filter gets the hit
+    /// rounded to f32.
+    pub fn first_f64(self, ray: &RayF64, most: usize, hits: &mut Vec<HitF64>) {
+        hits.clear();
+        let Some(ray) = ExactRay::in_world(ray, self.tracer.origin()) else { return };
+        let mut query = ExactQuery::first(ray, most, self.conditions, std::mem::take(hits));
+        self.tracer.exact_with(&mut query);
+        *hits = query.into_hits();
+    }
+
+    /// The `most` triangles that are nearest to `point` and no farther than `max_distance` (scene units, inclusive, may be infinite), each by
+    /// its own nearest point, written over what `found` held: nearest first, and equal distances by id. With `usize::MAX` these are all
+    /// triangles within a radius.
+    ///
+    /// ```
+    /// use slimkd::{BuildOptions, KdTree, Tracer, TriangleMesh};
+    /// # let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
+    /// # let tree = KdTree::build(TriangleMesh::new(corners, vec![[0, 1, 2], [3, 4, 5]])?, &BuildOptions::default())?;
+    /// let mut found = Vec::new();
+    /// tree.query().nearest_several([0.2, 0.2, 0.8], f32::INFINITY, 2, &mut found);
+    /// assert_eq!([found[0].triangle, found[1].triangle], [1, 0]);
+    /// tree.query().nearest_several([0.2, 0.2, 0.8], 0.5, usize::MAX, &mut found);
+    /// assert_eq!(found.len(), 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn nearest_several(
+        self,
+        point: [f32; 3],
+        max_distance: f32,
+        most: usize,
+        found: &mut Vec<NearestPoint>,
+    ) {
+        found.clear();
+        self.tracer.several_with(point, max_distance, most, self.conditions, found);
     }
 
     /// [`Tracer::nearest`] with these options.

@@ -1,9 +1,9 @@
 //! The interface of everything that can be traced.
 
 use super::batch::BatchJob;
-use super::{Batch, Query};
-use crate::geometry::{Aabb, Hit, Ray, RefinedHit};
-use crate::traverse::{Conditions, NearestPoint};
+use super::{Batch, Crossings, Query, Segment, inside};
+use crate::geometry::{Aabb, ExactRay, Hit, HitF64, Ray, RayF64, RefinedHit};
+use crate::traverse::{Conditions, ExactQuery, NearestPoint};
 
 /// Anything that rays can be traced through: a [`KdTree`](crate::KdTree), an [`OpenTree`](crate::OpenTree) or a
 /// [`BruteForce`](crate::BruteForce). All of them give the same hits, to the last bit.
@@ -36,7 +36,11 @@ pub trait Tracer: Send + Sync {
     /// Bounds of every triangle that can be hit, in scene units; empty where there is none.
     fn bounds(&self) -> Aabb;
 
-    /// The corners of a triangle; `None` where no triangle has this id.
+    /// Where in the world the mesh's coordinates are 0: [`TriangleMesh::origin`](crate::TriangleMesh::origin). Only the verbs that end in
+    /// `_f64` take world coordinates.
+    fn origin(&self) -> [f64; 3];
+
+    /// The corners of a triangle, in coordinates of the mesh; `None` where no triangle has this id.
     fn corners(&self, triangle: u32) -> Option<[[f32; 3]; 3]>;
 
     /// The nearest hit with `t_min ≤ t ≤ t_max`. Equal `t` goes to the lowest triangle id. An invalid ray has none.
@@ -56,9 +60,49 @@ pub trait Tracer: Send + Sync {
         hits
     }
 
-    /// The number of triangles that the ray hits with `t_min ≤ t ≤ t_max`. Both neighbours of an edge that the ray meets count.
+    /// The number of triangles that the ray hits with `t_min ≤ t ≤ t_max`. Both neighbours of an edge that the ray meets count; for
+    /// inside and outside, ask [`Tracer::crossings`].
     fn count(&self, ray: &Ray) -> usize {
         self.all(ray).len()
+    }
+
+    /// How often the ray crosses the surface with `t_min ≤ t ≤ t_max`, and which way: exactly, each crossing once, through edges and vertices
+    /// too. See [`Crossings`]. An invalid ray crosses nothing.
+    fn crossings(&self, ray: &Ray) -> Crossings {
+        Crossings::of(self.as_dyn(), ray, &mut Vec::new())
+    }
+
+    /// The number of [`Tracer::crossings`]. Of a ray that starts beside a closed surface and does not end it is odd exactly where the ray
+    /// starts inside.
+    fn count_crossings(&self, ray: &Ray) -> usize {
+        self.crossings(ray).count()
+    }
+
+    /// Whether a point is inside the surface or on it, exactly: whether a ray from it crosses the surface an odd number of times. Normals do
+    /// not matter; what lies within two closed parts is outside. Points that are not finite are outside.
+    ///
+    /// Of a mesh that is not closed ([`TriangleMesh::surface`]) this is the parity along one ray, to the nearest side of the bounds:
+    /// right away from holes, and wrong in their shadow. [`WindingNumbers`] are made for such meshes.
+    ///
+    /// [`TriangleMesh::surface`]: crate::TriangleMesh::surface
+    /// [`WindingNumbers`]: crate::WindingNumbers
+    fn contains(&self, point: [f32; 3]) -> bool {
+        inside::contains(self.as_dyn(), point.map(f64::from), &mut Vec::new())
+    }
+
+    /// The distance to the nearest point of the surface, negative inside ([`Tracer::contains`]); `None` where there is no triangle, and
+    /// for a point that is not finite. The sign is exact, the distance is rounded once from f64.
+    fn signed_distance(&self, point: [f32; 3]) -> Option<f32> {
+        let distance = inside::signed_distance(self.as_dyn(), point, &mut Vec::new());
+        (!distance.is_nan()).then_some(distance)
+    }
+
+    /// Whether nothing lies between two points. The segment is open at both ends: a triangle on which one of the points lies, up to
+    /// the rounding of its coordinates, hides nothing. See [`Batch::visible`] for many segments, and for closed ones.
+    fn visible(&self, from: [f32; 3], to: [f32; 3]) -> bool {
+        let mut visible = [false];
+        self.batch().visible(&[Segment { from, to }], &mut visible);
+        visible[0]
     }
 
     /// The point of all triangles that is nearest to `point`, if it is no farther than `max_distance` (scene units, inclusive, may
@@ -72,6 +116,40 @@ pub trait Tracer: Send + Sync {
     /// `None` where `triangle` does not exist, where the ray runs within its plane, or where numbers leave the range of f64.
     fn refine(&self, ray: &Ray, triangle: u32) -> Option<RefinedHit> {
         RefinedHit::new(ray, &self.corners(triangle)?)
+    }
+
+    /// The nearest hit of a ray in f64, in world coordinates: see [`RayF64`]. Equal `t` goes to the lowest triangle id.
+    fn closest_f64(&self, ray: &RayF64) -> Option<HitF64> {
+        self.query().closest_f64(ray)
+    }
+
+    /// Whether the ray hits anything with `t_min ≤ t ≤ t_max`, in f64 and in world coordinates.
+    fn any_f64(&self, ray: &RayF64) -> bool {
+        self.query().any_f64(ray)
+    }
+
+    /// All hits with `t_min ≤ t ≤ t_max`, in f64 and in world coordinates, each triangle once, sorted by `t` and then by triangle id.
+    fn all_f64(&self, ray: &RayF64) -> Vec<HitF64> {
+        let mut hits = Vec::new();
+        self.query().first_f64(ray, usize::MAX, &mut hits);
+        hits
+    }
+
+    /// [`Tracer::crossings`] of a ray in f64, in world coordinates.
+    fn crossings_f64(&self, ray: &RayF64) -> Crossings {
+        let ray = ExactRay::in_world(ray, self.origin());
+        ray.map_or_else(Crossings::default, |ray| Crossings::of_exact(self.as_dyn(), ray, &mut Vec::new()))
+    }
+
+    /// [`Tracer::contains`] of a point in world coordinates.
+    fn contains_f64(&self, point: [f64; 3]) -> bool {
+        let origin = self.origin();
+        inside::contains(self.as_dyn(), [0, 1, 2].map(|k| point[k] - origin[k]), &mut Vec::new())
+    }
+
+    /// [`Tracer::refine`] of a hit that a verb which ends in `_f64` found; the point is in world coordinates.
+    fn refine_f64(&self, ray: &RayF64, triangle: u32) -> Option<RefinedHit> {
+        RefinedHit::in_world(ray, self.origin(), &self.corners(triangle)?)
     }
 
     /// Asks about one ray or point with options: see [`Query`].
@@ -97,12 +175,25 @@ pub trait Tracer: Send + Sync {
     fn first_with(&self, ray: &Ray, most: usize, conditions: Conditions<'_>, hits: &mut Vec<Hit>);
 
     #[doc(hidden)]
+    fn exact_with(&self, query: &mut ExactQuery<'_>);
+
+    #[doc(hidden)]
     fn nearest_with(
         &self,
         point: [f32; 3],
         max_distance: f32,
         conditions: Conditions<'_>,
     ) -> Option<NearestPoint>;
+
+    #[doc(hidden)]
+    fn several_with(
+        &self,
+        point: [f32; 3],
+        max_distance: f32,
+        most: usize,
+        conditions: Conditions<'_>,
+        found: &mut Vec<NearestPoint>,
+    );
 
     #[doc(hidden)]
     fn closest_batch(&self, job: BatchJob<'_>, hits: &mut [Option<Hit>]);

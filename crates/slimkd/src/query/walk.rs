@@ -2,18 +2,24 @@
 
 use super::batch::BatchJob;
 use crate::geometry::{Aabb, Hit, Ray};
-use crate::traverse::{Any, Closest, Conditions, Filtered, First, NearestPoint, Search, Sink};
+use crate::traverse::{Any, Closest, Conditions, ExactQuery, Filtered, First, NearestPoint, Search, Sink};
 
 /// A tree, or what answers like one.
 pub(crate) trait Walk: Send + Sync {
     /// [`Tracer::bounds`](super::Tracer::bounds).
     fn extent(&self) -> Aabb;
 
+    /// [`Tracer::origin`](super::Tracer::origin).
+    fn place(&self) -> [f64; 3];
+
     /// [`Tracer::corners`](super::Tracer::corners).
     fn triangle(&self, id: u32) -> Option<[[f32; 3]; 3]>;
 
     /// Offers every triangle that the ray may hit to `sink`, nearer ones mostly first. An invalid ray offers nothing.
     fn walk(&self, ray: &Ray, sink: &mut impl Sink);
+
+    /// Lets `query` decide about every triangle that its ray may hit.
+    fn walk_exact(&self, query: &mut ExactQuery<'_>);
 
     /// Offers every triangle that may be nearest to the point of `search`.
     fn search(&self, search: &mut Search<'_>);
@@ -56,6 +62,22 @@ pub(crate) trait Walk: Send + Sync {
         search.into_nearest()
     }
 
+    fn ask_several(
+        &self,
+        point: [f32; 3],
+        max_distance: f32,
+        most: usize,
+        conditions: Conditions<'_>,
+        found: &mut Vec<NearestPoint>,
+    ) {
+        let search = Search::new(point, max_distance, &self.extent(), conditions);
+        if let Some(search) = search.filter(|_| most > 0) {
+            let mut search = search.several(most);
+            self.search(&mut search);
+            search.add_to(found);
+        }
+    }
+
     /// Closest hits of a batch; ray by ray where there is nothing faster.
     fn closest_hits(&self, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {
         for (at, (ray, hit)) in job.rays.iter().zip(hits).enumerate() {
@@ -84,6 +106,10 @@ macro_rules! tracer {
                 self.extent()
             }
 
+            fn origin(&self) -> [f64; 3] {
+                self.place()
+            }
+
             fn corners(&self, triangle: u32) -> Option<[[f32; 3]; 3]> {
                 self.triangle(triangle)
             }
@@ -100,6 +126,10 @@ macro_rules! tracer {
                 self.ask_first(ray, most, conditions, hits);
             }
 
+            fn exact_with(&self, query: &mut $crate::traverse::ExactQuery<'_>) {
+                self.walk_exact(query);
+            }
+
             fn nearest_with(
                 &self,
                 point: [f32; 3],
@@ -107,6 +137,17 @@ macro_rules! tracer {
                 conditions: Conditions<'_>,
             ) -> Option<NearestPoint> {
                 self.ask_nearest(point, max_distance, conditions)
+            }
+
+            fn several_with(
+                &self,
+                point: [f32; 3],
+                max_distance: f32,
+                most: usize,
+                conditions: Conditions<'_>,
+                found: &mut Vec<NearestPoint>,
+            ) {
+                self.ask_several(point, max_distance, most, conditions, found);
             }
 
             fn closest_batch(&self, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {

@@ -8,12 +8,14 @@
 //! | `sink.rs`, `conditions.rs` | what a query does with hits, and which of them count |
 //! | `stream/` | batches in any order: a ray in each lane |
 //! | `packet/` | coherent batches: 64 rays share one walk |
+//! | `exact.rs` | queries that decide each triangle exactly, in f64 |
 //! | `nearest.rs` | the nearest point |
 //! | `cost.rs`, `counters.rs` | what one ray costs in a tree; what kernels do, counted |
 
 mod conditions;
 mod cost;
 mod counters;
+mod exact;
 mod nearest;
 mod packet;
 mod prepared;
@@ -26,6 +28,7 @@ pub(crate) use conditions::{Conditions, RayConditions};
 pub(crate) use cost::Costed;
 pub use cost::RayCost;
 pub use counters::Counters;
+pub(crate) use exact::{Crossing, ExactQuery, traverse_exactly, traverse_wide_exactly};
 pub use nearest::NearestPoint;
 pub(crate) use nearest::{Search, search_tree, search_wide};
 pub(crate) use packet::{AnyHits, ClosestHits, finish as finish_strays};
@@ -33,7 +36,7 @@ pub(crate) use prepared::PreparedRay;
 pub(crate) use single::traverse;
 pub(crate) use sink::{Any, Closest, Filtered, First, Sink};
 pub(crate) use stream::Stream;
-pub(crate) use wide::{WideAnyHits, WideClosestHits, WideWalk, walk_exactly};
+pub(crate) use wide::{WideAnyHits, WideClosestHits, WideWalk, walk_in_f64};
 
 use crate::geometry::Aabb;
 

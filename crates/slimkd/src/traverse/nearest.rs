@@ -4,6 +4,7 @@
 //! error stays below 2⁻⁴⁸ of the distance to the farthest corner of the bounds, and a voxel is passed by only when it lies
 //! farther than the best by 2⁻⁴⁰ of that. The triangle's nearest point lies in a voxel whose leaf, or a node above it,
 //! holds the triangle, as every point of it does; a plane that its layout keeps coarsely counts as a cell nearer. Equal distances go to the lowest id.
+//! The same holds for several triangles, where the best is the last of those that are kept.
 
 use super::{Conditions, Traced};
 use crate::geometry::{Aabb, Hit, Nearest, nearest_on_triangle};
@@ -48,6 +49,8 @@ pub(crate) struct Search<'a> {
     /// Voxels whose squared distance is larger hold nothing better.
     limit: f64,
     conditions: Conditions<'a>,
+    /// Where several triangles are asked for: how many at most, and the best of them in their order.
+    several: Option<(usize, Vec<(u32, Nearest)>)>,
 }
 
 impl<'a> Search<'a> {
@@ -72,9 +75,16 @@ impl<'a> Search<'a> {
         let slack = SLACK * (reach(0) + reach(1) + reach(2));
         let square = f64::from(max_distance) * f64::from(max_distance);
         let best = Nearest { square, offset: [0.0; 3], u: 0.0, v: 0.0 };
-        let mut search = Self { point, best, triangle: u32::MAX, slack, limit: 0.0, conditions };
+        let mut search =
+            Self { point, best, triangle: u32::MAX, slack, limit: 0.0, conditions, several: None };
         search.tighten();
         Some(search)
+    }
+
+    /// This search for the `most` triangles that are nearest, 1 at least.
+    pub(crate) fn several(mut self, most: usize) -> Self {
+        self.several = Some((most, Vec::new()));
+        self
     }
 
     fn tighten(&mut self) {
@@ -84,6 +94,29 @@ impl<'a> Search<'a> {
 
     pub(crate) fn offer(&mut self, corners: &[[f32; 3]; 3], triangle: u32) {
         let found = nearest_on_triangle(self.point, corners);
+        if let Some((most, list)) = &mut self.several {
+            // Until the list is full, `best` is the largest distance that was asked for, and any id is below its own.
+            let at = list.partition_point(|(id, other)| (other.square, *id) < (found.square, triangle));
+            let most = *most;
+            if found.square > self.best.square
+                || at >= most
+                || list.get(at).is_some_and(|(id, _)| *id == triangle)
+                || triangle == self.conditions.except
+                || !self.accepts(&found, triangle)
+            {
+                return;
+            }
+            let Some((_, list)) = &mut self.several else { return };
+            list.truncate(most - 1);
+            list.insert(at, (triangle, found));
+            if list.len() == most
+                && let Some((_, last)) = list.last()
+            {
+                self.best = *last;
+                self.tighten();
+            }
+            return;
+        }
         let better =
             found.square < self.best.square || (found.square == self.best.square && triangle < self.triangle);
         if better && triangle != self.conditions.except && self.accepts(&found, triangle) {
@@ -99,14 +132,23 @@ impl<'a> Search<'a> {
     }
 
     pub(crate) fn into_nearest(self) -> Option<NearestPoint> {
-        let Nearest { square, offset, u, v } = self.best;
-        (self.triangle != u32::MAX).then(|| NearestPoint {
-            point: std::array::from_fn(|k| (f64::from(self.point[k]) + offset[k]) as f32),
-            distance: square.sqrt() as f32,
-            u: u as f32,
-            v: v as f32,
-            triangle: self.triangle,
-        })
+        (self.triangle != u32::MAX).then(|| rounded(self.point, self.best, self.triangle))
+    }
+
+    /// The answers of [`Search::several`], nearest first, added to `found`.
+    pub(crate) fn add_to(self, found: &mut Vec<NearestPoint>) {
+        let list = self.several.map_or_else(Vec::new, |(_, list)| list);
+        found.extend(list.into_iter().map(|(triangle, nearest)| rounded(self.point, nearest, triangle)));
+    }
+}
+
+fn rounded(point: [f32; 3], Nearest { square, offset, u, v }: Nearest, triangle: u32) -> NearestPoint {
+    NearestPoint {
+        point: std::array::from_fn(|k| (f64::from(point[k]) + offset[k]) as f32),
+        distance: square.sqrt() as f32,
+        u: u as f32,
+        v: v as f32,
+        triangle,
     }
 }
 

@@ -79,6 +79,13 @@ impl PreparedRay {
     /// `None` when the ray is invalid or passes the bounds by.
     #[inline]
     pub(crate) fn new(ray: &Ray, bounds: &Aabb, planes: &Planes) -> Option<Self> {
+        Self::moved(ray, 0.0, bounds, planes)
+    }
+
+    /// [`PreparedRay::new`] for a ray whose start was moved by as much per axis at most: slabs are wider by twice that on both sides
+    /// (`exact.rs`).
+    #[inline]
+    pub(crate) fn moved(ray: &Ray, moved: f32, bounds: &Aabb, planes: &Planes) -> Option<Self> {
         if !ray.is_valid() || bounds.is_empty() {
             return None;
         }
@@ -97,7 +104,7 @@ impl PreparedRay {
         } else {
             LEAST * larger(scale * LEAST_SCALED, 1.0)
         };
-        let reach = 4.0 * reach + least;
+        let reach = 4.0 * (reach + moved * (2.0 / SLACK)) + least;
         // 3. For each axis: the reciprocal (deviation 2), the width of slabs, and the interval inside the scene's bounds.
         let (mut inverse, mut widths, mut descends) = ([0.0; 3], [0.0; 3], [0; 3]);
         let (t_min, t_max) = (larger(ray.t_min, f32::MIN), smaller(ray.t_max, f32::MAX));
@@ -147,6 +154,9 @@ impl PreparedRay {
             (c.triangles, c.ray_triangles, c.triangle_lanes) =
                 (c.triangles + 1, c.ray_triangles + 1, c.triangle_lanes + 1);
         });
+        if let Some(done) = sink.decide(corners, triangle) {
+            return done;
+        }
         self.hand_over(self.shear.intersect_by_lanes::<Z>(corners), triangle, sink)
     }
 

@@ -14,6 +14,12 @@ pub(crate) trait Sink {
 
     /// Takes an intersection whose t lies in the ray's interval. `true` ends the traversal.
     fn offer(&mut self, found: Intersection, triangle: u32) -> bool;
+    /// Decides by itself whether the ray hits a triangle, and takes the hit: then the usual test is left out, and the answer says whether the
+    /// traversal ends.
+    #[inline(always)]
+    fn decide(&mut self, _corners: &[[f32; 3]; 3], _triangle: u32) -> Option<bool> {
+        None
+    }
     /// The largest t that still matters, user units.
     fn limit(&self) -> f32;
     /// Whether offering the triangle once more would change nothing.

@@ -9,7 +9,7 @@
 //!    `low · 1/d`, a distance of at most 2M, by 2; the sums by 1 and 3; `step · 1/d` is exact but for 1/d, the step being a power of two;
 //!    `plane ·` that by 2, and the last sum by 1, all in units of 2⁻²⁴·M·|1/d|. These are 22 at most, and the width is 32 of them.
 //!    So the near side of every such box is at most t, and its far side at least t, and no lane that holds the triangle is passed over.
-//! 2. Rays whose widths are beyond 2¹⁰⁰, or that begin before t = 0, take [`walk_exactly`], with f64: no value above can
+//! 2. Rays whose widths are beyond 2¹⁰⁰, or that begin before t = 0, take [`walk_in_f64`], with f64: no value above can
 //!    overflow, and distances order as their bits do.
 //! 3. Pending children are kept with the distance at which the ray enters them, the lane in its four lowest bits: that is lower than
 //!    the true distance, so nothing is dropped too early. Any-hit rays keep the lanes alone, and take them in their order.
@@ -51,7 +51,7 @@ impl<V: Simd> Way for ByLanes<V> {
             && ray.slack[1] < MOST_WIDTH
             && ray.slack[2] < MOST_WIDTH;
         if !plain {
-            return walk_exactly(nodes, ray, sink);
+            return walk_in_f64(nodes, ray, sink);
         }
         if (depth as usize) < SMALL_DEPTH {
             Walk::new(self.0, nodes, ray).run(sink, &mut [MaybeUninit::uninit(); SMALL_DEPTH * WAITING]);
@@ -67,7 +67,7 @@ struct Exactly;
 
 impl Way for Exactly {
     fn walk(&self, tree: &Traced<'_, WideView<'_>>, ray: &PreparedRay, sink: &mut impl Sink) {
-        walk_exactly(tree.nodes, ray, sink);
+        walk_in_f64(tree.nodes, ray, sink);
     }
 }
 
@@ -384,7 +384,7 @@ fn order(keys: &mut [u32]) -> u32 {
 /// The walk in f64: for rays that the other one does not take, since no value overflows; for trees that are not proved; and where there
 /// are no vectors.
 #[inline(never)]
-pub(crate) fn walk_exactly(nodes: impl WideNodes, ray: &PreparedRay, sink: &mut impl Sink) {
+pub(crate) fn walk_in_f64(nodes: impl WideNodes, ray: &PreparedRay, sink: &mut impl Sink) {
     let mut pending = vec![(Address::ROOT, f64::NEG_INFINITY)];
     // Lanes that the ray meets, and where it enters them.
     let mut met: Vec<(usize, f64)> = Vec::with_capacity(LANES);
@@ -427,6 +427,12 @@ pub(crate) fn walk_exactly(nodes: impl WideNodes, ray: &PreparedRay, sink: &mut 
                 sink.test();
                 // SAFETY: a leaf of this tree names the triangle.
                 let corners = unsafe { nodes.corners(id) };
+                if let Some(done) = sink.decide(&corners, id) {
+                    if done {
+                        return;
+                    }
+                    continue;
+                }
                 if ray.hand_over(ray.shear.decide(&corners), id, sink) {
                     return;
                 }

@@ -5,8 +5,9 @@ use crate::geometry::{Aabb, Hit, Ray};
 use crate::layout::{LaneNodes, Nodes as _, with_nodes};
 use crate::query::{BatchJob, Walk, tracer};
 use crate::traverse::{
-    AnyHits, ClosestHits, Conditions, NearestPoint, PreparedRay, RayConditions, Search, Sink, Stream, Traced,
-    WideAnyHits, WideClosestHits, WideWalk, finish_strays, search_tree, search_wide, traverse,
+    AnyHits, ClosestHits, Conditions, ExactQuery, NearestPoint, PreparedRay, RayConditions, Search, Sink,
+    Stream, Traced, WideAnyHits, WideClosestHits, WideWalk, finish_strays, search_tree, search_wide,
+    traverse, traverse_exactly, traverse_wide_exactly,
 };
 
 /// Batches below this go ray by ray: a stream is not worth setting up.
@@ -17,6 +18,10 @@ tracer!(KdTree);
 impl Walk for KdTree {
     fn extent(&self) -> Aabb {
         self.bounds
+    }
+
+    fn place(&self) -> [f64; 3] {
+        self.mesh.origin()
     }
 
     fn triangle(&self, id: u32) -> Option<[[f32; 3]; 3]> {
@@ -32,6 +37,12 @@ impl Walk for KdTree {
             if let Some(ray) = PreparedRay::new(ray, &self.bounds, wide.grid()) {
                 WideWalk { tree: self.traced(wide), ray: &ray, sink }.run_best();
             }
+        });
+    }
+
+    fn walk_exact(&self, query: &mut ExactQuery<'_>) {
+        with_nodes!(self, nodes => traverse_exactly(self.traced(nodes), query), wide => {
+            traverse_wide_exactly(wide, &self.bounds, query)
         });
     }
 

@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// And what is done once a ray without vectors: its preparation, and the walk of the few rays that vectors do not take.
 const ALLOWED: [&str; 14] = [
     "PreparedRay::new",
-    "walk_exactly",
+    "walk_in_f64",
     "core::panicking",
     "core::slice::index",
     "core::option",

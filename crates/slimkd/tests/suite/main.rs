@@ -1,5 +1,6 @@
 //! What the library promises, one file a promise. One program: linking is most of what a test costs to build.
 
+mod cells;
 #[path = "../common/mod.rs"]
 mod common;
 mod exact;
@@ -10,8 +11,10 @@ mod api;
 mod budget;
 mod coherent;
 mod complete;
+mod crossings;
 mod file;
 mod inline_chain;
+mod inside;
 mod interop;
 mod invariants;
 mod layers;
@@ -20,6 +23,8 @@ mod oracle;
 mod parity;
 mod queries;
 mod scales;
+mod segments;
 mod soups;
 mod streams;
 mod watertight;
+mod world;

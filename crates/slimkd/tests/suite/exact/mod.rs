@@ -293,3 +293,69 @@ pub fn cosine(ray: &Ray, corners: &Corners) -> f64 {
     let (normal, d) = (cross(sub(b, a), sub(c, a)), wide(ray.direction));
     dot(normal, d).abs() / (length(normal) * length(d))
 }
+
+/// Bits by which a displacement stays below anything that matters: more than a determinant's terms have.
+const DISPLACED: u32 = 700;
+
+/// Axes in the order in which `slimkd` displaces a ray's start: along the first by a smallest amount, along the second by a still smaller one.
+fn frame(ray: &Ray) -> [usize; 3] {
+    let [x, y, z] = ray.direction.map(f32::abs);
+    let longest = if x > y && x > z {
+        0
+    } else if x <= y && y > z {
+        1
+    } else {
+        2
+    };
+    [(longest + 1) % 3, (longest + 2) % 3, longest]
+}
+
+/// Whether a ray that was really displaced crosses the triangle, and along which side of it: 1 along its turn, −1 against it, else 0. The range is
+/// that of the ray itself.
+pub fn displaced_crossing(ray: &Ray, corners: &Corners) -> i32 {
+    let scaled = |p: [f32; 3]| p.map(|x| whole(x) << (2 * DISPLACED));
+    let mut origin = scaled(ray.origin);
+    let [x, y, _] = frame(ray);
+    origin[x] += BigInt::from(1) << DISPLACED;
+    origin[y] += 1;
+    let seen = corners.map(|p| {
+        let p = scaled(p);
+        std::array::from_fn::<_, 3, _>(|k| &p[k] - &origin[k])
+    });
+    let direction = ray.direction.map(whole);
+    let sign = |x: BigInt| match x.sign() {
+        Sign::Plus => 1,
+        Sign::NoSign => 0,
+        Sign::Minus => -1,
+    };
+    let sides =
+        [(1, 2), (2, 0), (0, 1)].map(|(p, q)| sign(exact_determinant(&direction, &seen[p], &seen[q])));
+    if sides[0] == 0 || sides != [sides[0]; 3] {
+        return 0;
+    }
+    // t = N / D with N = det(a − o, e1, e2), in units of the direction: 2⁻¹⁴⁹ of both ends of the range.
+    let [a, b, c] = *corners;
+    let (e1, e2) = (whole_difference(b, a), whole_difference(c, a));
+    let below = exact_determinant(&direction, &e1, &e2);
+    let above = exact_determinant(&whole_difference(a, ray.origin), &e1, &e2) << 149;
+    let beyond = |t: f32| match t {
+        f32::INFINITY => -1,
+        f32::NEG_INFINITY => 1,
+        t => sign(&above - whole(t) * &below) * sides[0],
+    };
+    if beyond(ray.t_min) >= 0 && beyond(ray.t_max) <= 0 { sides[0] } else { 0 }
+}
+
+/// Whether a point lies on the closed triangle.
+pub fn lies_on(point: [f32; 3], corners: &Corners) -> bool {
+    let [a, b, c] = *corners;
+    let (e1, e2) = (whole_difference(b, a), whole_difference(c, a));
+    if exact_determinant(&whole_difference(a, point), &e1, &e2).sign() != Sign::NoSign {
+        return false;
+    }
+    // A ray from the point out of the plane, along some axis that is not in it, crosses the triangle there.
+    (0..3).any(|axis| {
+        let direction = std::array::from_fn(|k| if k == axis { 1.0 } else { 0.0 });
+        crosses(&Ray::new(point, direction), corners)
+    })
+}
