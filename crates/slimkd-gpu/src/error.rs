@@ -37,6 +37,11 @@ pub enum GpuError {
         /// Bytes.
         limit: u64,
     },
+    /// No kernel reads wide nodes yet: build the tree in another layout, or trace on the CPU.
+    #[error(
+        "GPUs do not trace wide trees yet; build it with the layout dense (--layout dense), or use the CPU"
+    )]
+    Wide,
     /// The GPU's memory is full: use a smaller preset, or the CPU.
     #[error(
         "the GPU has too little memory ({needed} bytes were asked for); use a smaller preset, or the CPU"

@@ -5,7 +5,7 @@ use crate::kernel::Kernel;
 use crate::stamps::Stamps;
 use crate::upload::Uploaded;
 use crate::{Device, GpuError, source};
-use slimkd::{Hit, KdTree, Ray};
+use slimkd::{EncodedTree, Hit, KdTree, Ray};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 use wgpu::BufferUsages;
@@ -79,7 +79,7 @@ impl<'d> GpuTree<'d> {
     /// [`GpuError::TooLarge`], [`GpuError::OutOfMemory`], [`GpuError::Kernel`], [`GpuError::Lost`].
     pub fn upload(device: &'d Device, tree: &KdTree, options: &UploadOptions) -> Result<Self, GpuError> {
         device.check()?;
-        let image = Image::new(tree).ok_or_else(|| too_large(tree))?;
+        let image = Image::new(tree).ok_or_else(|| no_image(tree))?;
         let uploaded = Uploaded::new(device, &image, options.stack.max(1), options.binding_limit)?;
         let bytes = image.bytes();
         drop(image);
@@ -236,7 +236,10 @@ impl<'d> GpuTree<'d> {
     }
 }
 
-/// More than words can address.
-pub(crate) fn too_large(tree: &KdTree) -> GpuError {
+/// Why a tree has no [`Image`]: its layout, or it is more than words can address.
+pub(crate) fn no_image(tree: &KdTree) -> GpuError {
+    if matches!(tree.encoded(), EncodedTree::Wide { .. }) {
+        return GpuError::Wide;
+    }
     GpuError::TooLarge { needed: tree.memory().resident(), limit: 4 * u64::from(u32::MAX) }
 }

@@ -83,9 +83,10 @@ struct ShapeArgs {
     /// the preset's unless given
     #[arg(long, value_name = "exact|box|N", value_parser = clipping, allow_negative_numbers = true)]
     clipping: Option<Clipping>,
-    /// How the tree is written: 8-byte nodes with 4-byte or also 2-byte references, or the dense layout, which holds no
-    /// T-references: a tree that has some is written as two-byte, and hoisting options exclude it. The preset's unless given
-    #[arg(long, value_name = "four-byte|two-byte|dense", value_parser = layout)]
+    /// How the tree is written: 8-byte nodes with 4-byte or also 2-byte references; the dense layout; or wide nodes of 16 child boxes,
+    /// fastest for one ray at a time, on the CPU alone. The last two hold no T-references: a tree that has some is written as
+    /// two-byte, and hoisting options exclude them. The preset's unless given
+    #[arg(long, value_name = "four-byte|two-byte|dense|wide", value_parser = layout)]
     layout: Option<Layout>,
     /// The fastest tree of at most SIZE: bytes, with a unit such as KiB or MB, bytes a triangle, as in 6/tri, or none. Found from
     /// one build, by raising the byte weight; the preset's unless given
@@ -117,9 +118,11 @@ impl TuningArgs {
     /// Refuses what no tree can be, before there is any work.
     pub(crate) fn check(&self) -> Result<(), Failure> {
         let hoisting = self.hoisting.given();
-        if self.shape.layout == Some(Layout::Dense) && !hoisting.is_empty() {
+        if let Some(layout @ (Layout::Dense | Layout::Wide)) = self.shape.layout
+            && !hoisting.is_empty()
+        {
             return Err(Failure::usage(format_args!(
-                "--layout dense holds no T-references; leave out {}, or take --layout two-byte",
+                "--layout {layout} holds no T-references; leave out {}, or take --layout two-byte",
                 listed(&hoisting)
             )));
         }

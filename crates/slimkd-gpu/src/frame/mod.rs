@@ -27,7 +27,7 @@ pub use words::Frame;
 use crate::image::Image;
 use crate::kernel::Kernel;
 use crate::stamps::Stamps;
-use crate::trace::too_large;
+use crate::trace::no_image;
 use crate::upload::Uploaded;
 use crate::{Device, GpuError, GpuTime, UploadOptions, source};
 use slimkd::{KdTree, Progress};
@@ -102,8 +102,8 @@ impl<'d> GpuScene<'d> {
         options: &UploadOptions,
     ) -> Result<Self, GpuError> {
         device.check()?;
-        let mut image = Image::new(tree).ok_or_else(|| too_large(tree))?;
-        let words = Frame::append(&mut image, scene).ok_or_else(|| too_large(tree))?;
+        let mut image = Image::new(tree).ok_or_else(|| no_image(tree))?;
+        let words = Frame::append(&mut image, scene).ok_or_else(|| no_image(tree))?;
         let uploaded = Uploaded::new(device, &image, options.stack.max(1), options.binding_limit)?;
         let (block, bytes) = (options.block.map(|edge| edge.max(1)), image.bytes());
         Ok(Self { device, uploaded, words, block, bytes })

@@ -71,3 +71,39 @@ impl LeafCode {
         count
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_written_is_read() {
+        let mut state = 7u64;
+        let mut below = |n: u64| {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 33) % n
+        };
+        for triangles in [40, 1 << 19, (1 << 19) + 1, 1 << 27] {
+            let code = LeafCode::new(triangles);
+            for _ in 0..500 {
+                let mut ids: Vec<u32> = (0..1 + below(MOST as u64))
+                    .map(|_| {
+                        below([40, 400, triangles as u64][below(3) as usize].min(triangles as u64)) as u32
+                    })
+                    .collect();
+                ids.sort_unstable();
+                ids.dedup();
+                let mut bytes = vec![0; 3];
+                code.write(&mut bytes, &ids);
+                assert_eq!(code.size(&ids), bytes.len() as u64 - 3);
+                bytes.extend_from_slice(&[0; 8]);
+                let long =
+                    |at: u32| u64::from_le_bytes(bytes[at as usize..at as usize + 8].try_into().unwrap());
+                let mut buffer = Ids::new();
+                let count = code.read(3, &mut buffer, long);
+                // SAFETY: that many were written.
+                assert_eq!(unsafe { buffer.written(count) }, ids);
+            }
+        }
+    }
+}

@@ -107,3 +107,47 @@ fn round_down(x: f64) -> f32 {
     let rounded = x as f32;
     if f64::from(rounded) > x { rounded.next_down() } else { rounded }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::wide::grid;
+
+    #[test]
+    fn boxes_hold_what_they_were_made_of() {
+        let mut state = 1u64;
+        let mut unit = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 40) as f32 / (1u64 << 24) as f32
+        };
+        for (low, extent) in [(0.0f32, 1.0f32), (-3.0, 7.0), (5e6, 1e3), (1e-20, 1e-20), (-1e30, 2e30)] {
+            let scene = Aabb { min: [low; 3], max: [low + extent; 3] };
+            let grid = grid(&scene).unwrap();
+            for _ in 0..200 {
+                // Nodes of all sizes, some boxes flat.
+                let (at, size) = ([unit(), unit(), unit()], unit().powi(8));
+                let boxes: Vec<Aabb> = (0..1 + (unit() * 15.99) as usize)
+                    .map(|_| {
+                        let mut own = Aabb::EMPTY;
+                        for _ in 0..2 {
+                            let point: [f32; 3] = std::array::from_fn(|k| at[k] + size * unit());
+                            own.include(std::array::from_fn(|k| low + extent * point[k].min(1.0)));
+                        }
+                        if unit() < 0.3 { Aabb { max: own.min, ..own } } else { own }
+                    })
+                    .collect();
+                let node = WideNode::new(&boxes, boxes.len() / 2, &grid);
+                assert_eq!((node.inner(), node.children()), (boxes.len() / 2, boxes.len()));
+                for (lane, own) in boxes.iter().enumerate() {
+                    let [min, max] = node.bounds(lane, &grid);
+                    for k in 0..3 {
+                        let nearly = 1e-15 * f64::from(low.abs() + extent);
+                        assert!(min[k] <= f64::from(own.min[k]) + nearly, "{own:?} {min:?}");
+                        assert!(max[k] >= f64::from(own.max[k]) - nearly, "{own:?} {max:?}");
+                    }
+                }
+                assert_eq!(node.swapped().swapped(), node);
+            }
+        }
+    }
+}
