@@ -218,7 +218,7 @@ impl<'a> Batch<'a> {
     /// let grid = Grid::over(&tree.bounds(), 1.0);
     /// let mut inside = vec![false; grid.len()];
     /// tree.batch().threads(0).occupancy(&grid, &mut inside);
-    /// assert_eq!(inside.iter().filter(|&&inside| inside).count(), 20);
+    /// assert_eq!(inside.iter().filter(|&&inside| inside).count(), 10);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
