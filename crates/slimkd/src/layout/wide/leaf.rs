@@ -88,7 +88,8 @@ mod tests {
             for _ in 0..500 {
                 let mut ids: Vec<u32> = (0..1 + below(MOST as u64))
                     .map(|_| {
-                        below([40, 400, triangles as u64][below(3) as usize].min(triangles as u64)) as u32
+                        let reach = [40, 400, triangles as u64][below(3) as usize];
+                        below(reach.min(triangles as u64)) as u32
                     })
                     .collect();
                 ids.sort_unstable();
