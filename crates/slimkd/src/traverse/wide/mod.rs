@@ -1,0 +1,189 @@
+//! One ray at a time through wide nodes: a step is one ray against 16 child boxes.
+//!
+//! Sources: Wald, Benthin & Boulos 2008, *Getting Rid of Packets*; Ernst & Greiner 2008, for the test of all children at once.
+//!
+//! Deviations
+//! 1. The ray's distances to the planes are `plane · (step · 1/d) + (low · 1/d − origin · 1/d ∓ width)`. Why no hit is lost: with M, the
+//!    width and the slack of `prepared.rs`, a found hit point lies within `5·2⁻²⁴·M` of its triangle, and so of a box that holds the
+//!    triangle there. Its t is rounded once more: 1. The origin in grid units is off by 5; its product with 1/d by 1, and 1/d itself by 1;
+//!    `low · 1/d`, a distance of at most 2M, by 2; the sums by 1 and 3; `step · 1/d` is exact but for 1/d, the step being a power of two;
+//!    `plane ·` that by 2, and the last sum by 1, all in units of 2⁻²⁴·M·|1/d|. These are 22 at most, and the width is 32 of them.
+//!    So the near side of every such box is at most t, and its far side at least t, and no lane that holds the triangle is passed over.
+//! 2. Rays whose widths are beyond 2¹⁰⁰, or that begin before t = 0, take [`walk_in_f64`], with f64: no value above can
+//!    overflow, and distances order as their bits do.
+//! 3. Pending children are kept with the distance at which the ray enters them, the lane in its four lowest bits: that is lower than
+//!    the true distance, so nothing is dropped too early. Any-hit rays keep the lanes alone, and take them in their order.
+//! 4. Four triangles are tested at once ([`Simd::quad`]). Those that may be hit are decided by [`Shear::decide`], as everywhere.
+//!
+//! [`Shear::decide`]: crate::geometry::Shear::decide
+
+mod in_f64;
+mod walk;
+
+pub(crate) use in_f64::walk_in_f64;
+
+use super::prepared::PreparedRay;
+use super::sink::{Any, Closest, Filtered, Sink};
+use super::{RayConditions, Traced};
+use crate::geometry::{Hit, Ray};
+use crate::layout::WideView;
+use crate::simd::{InstructionSet, Kernel, Simd};
+use std::mem::MaybeUninit;
+use walk::{WAITING, Walk};
+
+/// The deepest tree whose stack lies on the machine's stack.
+const SMALL_DEPTH: usize = 24;
+/// Widths up to here, and no distance overflows (deviation 2).
+const MOST_WIDTH: f32 = (1u128 << 100) as f32;
+
+/// How one ray goes through a tree.
+trait Way {
+    /// Offers every triangle that the ray may hit to `sink`, nearer boxes first.
+    fn walk(&self, tree: &Traced<'_, WideView<'_>>, ray: &PreparedRay, sink: &mut impl Sink);
+}
+
+/// With vectors.
+struct ByLanes<V>(V);
+
+impl<V: Simd> Way for ByLanes<V> {
+    #[inline(always)]
+    fn walk(&self, tree: &Traced<'_, WideView<'_>>, ray: &PreparedRay, sink: &mut impl Sink) {
+        let &Traced { nodes, depth, .. } = tree;
+        let plain = ray.enter >= 0.0
+            && ray.slack[0] < MOST_WIDTH
+            && ray.slack[1] < MOST_WIDTH
+            && ray.slack[2] < MOST_WIDTH;
+        if !plain {
+            return walk_in_f64(nodes, ray, sink);
+        }
+        if (depth as usize) < SMALL_DEPTH {
+            Walk::new(self.0, nodes, ray).run(sink, &mut [MaybeUninit::uninit(); SMALL_DEPTH * WAITING]);
+        } else {
+            let mut stack = vec![MaybeUninit::uninit(); (depth as usize + 1) * WAITING];
+            Walk::new(self.0, nodes, ray).run(sink, &mut stack);
+        }
+    }
+}
+
+/// With numbers.
+struct Exactly;
+
+impl Way for Exactly {
+    fn walk(&self, tree: &Traced<'_, WideView<'_>>, ray: &PreparedRay, sink: &mut impl Sink) {
+        walk_in_f64(tree.nodes, ray, sink);
+    }
+}
+
+/// One ray through a tree.
+pub(crate) struct WideWalk<'a, S> {
+    pub(crate) tree: Traced<'a, WideView<'a>>,
+    pub(crate) ray: &'a PreparedRay,
+    pub(crate) sink: &'a mut S,
+}
+
+impl<S: Sink> WideWalk<'_, S> {
+    /// With the best instructions; a walk that is measured, with the same ones everywhere.
+    pub(crate) fn run_best(self) {
+        let Self { tree, ray, sink } = self;
+        if S::MEASURED || InstructionSet::run_best(WideWalk { tree, ray, sink: &mut *sink }).is_none() {
+            Exactly.walk(&tree, ray, sink);
+        }
+    }
+}
+
+impl<S: Sink> Kernel for WideWalk<'_, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Simd>(self, s: V) {
+        ByLanes(s).walk(&self.tree, self.ray, self.sink);
+    }
+}
+
+/// The closest hits of a batch, ray by ray.
+pub(crate) struct WideClosestHits<'a> {
+    pub(crate) tree: Traced<'a, WideView<'a>>,
+    pub(crate) rays: &'a [Ray],
+    pub(crate) conditions: RayConditions<'a>,
+    pub(crate) hits: &'a mut [Option<Hit>],
+}
+
+impl WideClosestHits<'_> {
+    pub(crate) fn run_with(self, set: InstructionSet) {
+        let Self { tree, rays, conditions, hits } = self;
+        if set.run(WideClosestHits { tree, rays, conditions, hits: &mut *hits }).is_none() {
+            WideClosestHits { tree, rays, conditions, hits }.walk_all(&Exactly);
+        }
+    }
+
+    #[inline(always)]
+    fn walk_all(self, way: &impl Way) {
+        let (tree, conditions) = (&self.tree, &self.conditions);
+        for (at, (ray, hit)) in self.rays.iter().zip(self.hits).enumerate() {
+            *hit = None;
+            let Some(prepared) = PreparedRay::new(ray, tree.bounds, tree.nodes.grid()) else { continue };
+            let mut sink = Closest::new(ray.t_max, conditions.excepted(at));
+            match conditions.filter {
+                None => way.walk(tree, &prepared, &mut sink),
+                Some(filter) => {
+                    let accept = &mut |hit: &Hit| filter(conditions.first + at, hit);
+                    way.walk(tree, &prepared, &mut Filtered { sink: &mut sink, accept });
+                }
+            }
+            *hit = sink.into_hit();
+        }
+    }
+}
+
+impl Kernel for WideClosestHits<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Simd>(self, s: V) {
+        self.walk_all(&ByLanes(s));
+    }
+}
+
+/// The answers of a batch of any-hit rays, ray by ray.
+pub(crate) struct WideAnyHits<'a> {
+    pub(crate) tree: Traced<'a, WideView<'a>>,
+    pub(crate) rays: &'a [Ray],
+    pub(crate) conditions: RayConditions<'a>,
+    pub(crate) hits: &'a mut [bool],
+}
+
+impl WideAnyHits<'_> {
+    pub(crate) fn run_with(self, set: InstructionSet) {
+        let Self { tree, rays, conditions, hits } = self;
+        if set.run(WideAnyHits { tree, rays, conditions, hits: &mut *hits }).is_none() {
+            WideAnyHits { tree, rays, conditions, hits }.walk_all(&Exactly);
+        }
+    }
+
+    #[inline(always)]
+    fn walk_all(self, way: &impl Way) {
+        let (tree, conditions) = (&self.tree, &self.conditions);
+        for (at, (ray, hit)) in self.rays.iter().zip(self.hits).enumerate() {
+            *hit = false;
+            let Some(prepared) = PreparedRay::new(ray, tree.bounds, tree.nodes.grid()) else { continue };
+            let mut sink = Any::new(ray.t_max, conditions.excepted(at));
+            match conditions.filter {
+                None => way.walk(tree, &prepared, &mut sink),
+                Some(filter) => {
+                    let accept = &mut |hit: &Hit| filter(conditions.first + at, hit);
+                    way.walk(tree, &prepared, &mut Filtered { sink: &mut sink, accept });
+                }
+            }
+            *hit = sink.found;
+        }
+    }
+}
+
+impl Kernel for WideAnyHits<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Simd>(self, s: V) {
+        self.walk_all(&ByLanes(s));
+    }
+}
