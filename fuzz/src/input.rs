@@ -90,7 +90,8 @@ impl<'a> Input<'a> {
             options.collapse = !options.collapse;
         }
         if more & 2 == 2 {
-            options.layout = [Layout::FourByte, Layout::TwoByte, Layout::Dense, Layout::Wide][usize::from(byte >> 4) % 4];
+            options.layout =
+                [Layout::FourByte, Layout::TwoByte, Layout::Dense, Layout::Wide][usize::from(byte >> 4) % 4];
         }
         match more >> 2 & 3 {
             1 => options.clipping = Clipping::Box,
