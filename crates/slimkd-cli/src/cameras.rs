@@ -32,7 +32,7 @@ pub(crate) fn choose(
     count: usize,
 ) -> Result<Vec<View>, Failure> {
     let up = scene.up.unwrap_or_default();
-    if let Some(camera) = args.camera(up) {
+    if let Some(camera) = args.camera(up, scene.mesh.origin()) {
         return Ok(vec![View { number: 1, camera }]);
     }
     let count = args.view.map_or(count, usize::from);

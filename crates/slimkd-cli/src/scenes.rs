@@ -54,6 +54,10 @@ pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded
         let what = "only scene files have a choice of --scene-index; leave it out";
         return Err(Failure::Usage(format!("{}: {what}", path.display())));
     }
+    if details.origin.is_some() && (find(path).is_some() || (is_saved(path) && details.mesh.is_none())) {
+        let what = "only scene files have a choice of --origin; leave it out";
+        return Err(Failure::Usage(format!("{}: {what}", path.display())));
+    }
     if is_saved(path) {
         return saved::load(path, details, ui);
     }
@@ -74,6 +78,7 @@ pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded
     let mut options = LoadOptions::new();
     options.scene_index = details.scene_index;
     options.allow_outside = details.allow_outside;
+    options.origin = details.origin.unwrap_or_default();
     let scene = ui.watch("load", &progress, || slimkd_scene::load_with(path, &options, &progress)).map_err(
         |error| match error {
             LoadError::Cancelled => Failure::Interrupted,
@@ -85,6 +90,15 @@ pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded
         },
     )?;
     tell(path, &scene.warnings, ui)?;
+    if let [x, y, z] = scene.mesh.origin()
+        && [x, y, z] != [0.0; 3]
+    {
+        let rounding = scene.rounding;
+        ui.note(format_args!(
+            "{}: origin {x},{y},{z}; rounding moves no vertex farther than {rounding:.1e}",
+            path.display()
+        ));
+    }
     let place = path.display().to_string();
     Ok(Loaded { scene, place, seconds: started.elapsed().as_secs_f64(), tree: None })
 }

@@ -8,8 +8,8 @@ use std::sync::Arc;
 const NONE: u32 = u32::MAX;
 
 impl Scene {
-    /// Puts scenes into one: triangles, vertices and materials of the first come first. Nothing is moved or welded. The
-    /// result has the first scene's name and its way up; fails when there are more vertices or triangles than ids can name.
+    /// Puts scenes into one: triangles, vertices and materials of the first come first. Nothing is moved in the world or welded. The
+    /// result has the first scene's name and its way up, and the first origin that is not 0; fails when there are more vertices or triangles than ids can name.
     ///
     /// ```
     /// use slimkd_scene::{Format, Scene, load_bytes};
@@ -22,18 +22,29 @@ impl Scene {
         if scenes.len() < 2 {
             return Ok(scenes.pop().unwrap_or_default());
         }
+        let origins = scenes.iter().map(|scene| scene.mesh.origin());
+        let origin = origins.into_iter().find(|origin| *origin != [0.0; 3]).unwrap_or_default();
         let meshes: Vec<Arc<TriangleMesh>> = scenes.iter().map(|scene| Arc::clone(&scene.mesh)).collect();
         let mut vertices: Vec<[f32; 3]> = Vec::new();
         let mut triangles: Vec<[u32; 3]> = Vec::new();
-        for mesh in &meshes {
+        let mut rounding = 0.0f64;
+        for (mesh, scene) in meshes.iter().zip(&mut scenes) {
             // Where the sum is more than ids can name, `TriangleMesh::new` refuses it.
             let offset = u32::try_from(vertices.len()).unwrap_or(NONE);
-            vertices.extend_from_slice(mesh.vertices());
+            if mesh.origin() == origin {
+                vertices.extend_from_slice(mesh.vertices());
+                rounding = rounding.max(scene.rounding);
+            } else {
+                let (moved, by_rounding) = scene.move_to(origin);
+                vertices.extend(moved);
+                rounding = rounding.max(by_rounding);
+            }
             triangles
                 .extend(mesh.triangles().iter().map(|corners| corners.map(|c| c.saturating_add(offset))));
         }
         let mut whole = Self {
             name: scenes[0].name.clone(),
+            rounding,
             up: scenes.iter().find_map(|scene| scene.up),
             normals: attribute(&meshes, scenes.iter_mut().map(|scene| scene.normals.take())),
             uvs: attribute(&meshes, scenes.iter_mut().map(|scene| scene.uvs.take())),
@@ -60,7 +71,7 @@ impl Scene {
             whole.lights.extend(scene.lights);
             whole.warnings.extend(scene.warnings);
         }
-        whole.mesh = Arc::new(TriangleMesh::new(vertices, triangles)?);
+        whole.mesh = Arc::new(TriangleMesh::new(vertices, triangles)?.with_origin(origin));
         Ok(whole)
     }
 }

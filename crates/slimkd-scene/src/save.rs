@@ -1,9 +1,10 @@
-//! Scenes written to files: binary PLY of bare meshes, float32 positions and triangle lists of int32.
+//! Scenes written to files: binary PLY of bare meshes, float32 positions and triangle lists of int32; float64 where the mesh has an origin.
 
 use slimkd::TriangleMesh;
 use std::io::{self, Write};
 
-/// Writes `mesh` as a binary PLY. Triangle ids are face order, so that a tree of the file has the ids of this mesh.
+/// Writes `mesh` as a binary PLY. Triangle ids are face order, so that a tree of the file has the ids of this mesh. Positions are those of the world:
+/// where the mesh has an origin, as doubles.
 ///
 /// ```
 /// use slimkd_scene::{Format, load_bytes, write_ply};
@@ -14,14 +15,23 @@ use std::io::{self, Write};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_ply(mesh: &TriangleMesh, to: &mut impl Write) -> io::Result<()> {
+    let origin = mesh.origin();
+    let is_far = origin != [0.0; 3];
+    let real = if is_far { "double" } else { "float" };
     write!(
         to,
-        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n\
-         property float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty {real} x\nproperty {real} y\n\
+         property {real} z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
         mesh.vertices().len(),
         mesh.len()
     )?;
     for vertex in mesh.vertices() {
+        if is_far {
+            for (origin, x) in origin.iter().zip(vertex) {
+                to.write_all(&(origin + f64::from(*x)).to_le_bytes())?;
+            }
+            continue;
+        }
         let mut record = [0; 12];
         for (bytes, x) in record.chunks_exact_mut(4).zip(vertex) {
             bytes.copy_from_slice(&x.to_le_bytes());

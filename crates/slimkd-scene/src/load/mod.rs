@@ -25,7 +25,8 @@ pub use options::LoadOptions;
 pub use progress::LoadProgress;
 pub use source::Compression;
 
-use crate::{Material, Scene, warning::warn};
+use crate::origin::Frame;
+use crate::{Material, Origin, Scene, warning::warn};
 use source::Folder;
 use std::{fmt, path::Path};
 
@@ -212,15 +213,32 @@ fn parse(
             fix: "leave the scene's index out",
         });
     }
-    let mut scene = match format {
-        Format::Ply => ply::parse(bytes, progress),
-        Format::Obj => obj::parse(bytes, folder, progress),
-        Format::Stl => stl::parse(bytes, progress),
-        Format::Off => off::parse(bytes, progress),
-        Format::AsciiGrid => grid::parse_ascii(bytes, progress),
-        Format::Npy => grid::parse_npy(bytes, progress),
-        Format::Gltf | Format::Glb => gltf::parse(format, bytes, folder, options.scene_index, progress),
-    }?;
+    let read = |frame: &Frame| match format {
+        Format::Ply => ply::parse(bytes, frame, progress),
+        Format::Obj => obj::parse(bytes, folder, frame, progress),
+        Format::Stl => stl::parse(bytes, frame, progress),
+        Format::Off => off::parse(bytes, frame, progress),
+        Format::AsciiGrid => grid::parse_ascii(bytes, frame, progress),
+        Format::Npy => grid::parse_npy(bytes, frame, progress),
+        Format::Gltf | Format::Glb => {
+            gltf::parse(format, bytes, folder, options.scene_index, frame, progress)
+        }
+    };
+    let mut frame = Frame::default();
+    if let Origin::At(origin) = options.origin {
+        frame = Frame::new(origin);
+    }
+    let mut scene = read(&frame)?;
+    if options.origin == Origin::Auto {
+        let origin = options.origin.choose(&scene.mesh);
+        if origin != [0.0; 3] {
+            // Far from 0: read again, as exactly as the file says it.
+            frame = Frame::new(origin);
+            drop(scene);
+            scene = read(&frame)?;
+        }
+    }
+    frame.finish(&mut scene);
     if scene.materials.is_empty() {
         scene.materials.push(Material::default());
     }

@@ -2,6 +2,7 @@
 //! corners do not, and are ignored.
 
 use super::{Format, LoadError, LoadProgress, Place, error::quoted, polygon::Polygons, text, weld::Weld};
+use crate::origin::Frame;
 use crate::{Scene, Warning, WarningKind};
 use slimkd::TriangleMesh;
 use std::sync::Arc;
@@ -17,7 +18,7 @@ fn invalid(place: Place, what: impl Into<String>, fix: &'static str) -> LoadErro
     LoadError::Invalid { format: Format::Stl, place, what: what.into(), fix }
 }
 
-pub(super) fn parse(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, LoadError> {
+pub(super) fn parse(bytes: &[u8], frame: &Frame, progress: &LoadProgress) -> Result<Scene, LoadError> {
     let mut announced =
         bytes.get(80..HEAD).map(|raw| u32::from_le_bytes([raw[0], raw[1], raw[2], raw[3]]) as usize);
     let mut warnings = Vec::new();
@@ -36,7 +37,7 @@ pub(super) fn parse(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, Load
     let size = announced.map(|count| HEAD as u64 + TRIANGLE as u64 * count as u64);
     // Binary files may start with "solid" too: the size tells first.
     if size != Some(bytes.len() as u64) && is_text(bytes) {
-        return parse_text(bytes, progress);
+        return parse_text(bytes, frame, progress);
     }
     let (Some(announced), Some(size)) = (announced, size) else {
         let what = format!("{} bytes are too few for a binary STL, and it is no text", bytes.len());
@@ -54,7 +55,7 @@ pub(super) fn parse(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, Load
         }
         let raw = triangle[12..48].as_chunks::<4>().0;
         let value = |k: usize| f32::from_le_bytes(raw[k]);
-        triangles.push([0, 3, 6].map(|k| weld.index([value(k), value(k + 1), value(k + 2)])));
+        triangles.push([0, 3, 6].map(|k| weld.index(frame.put_f32([value(k), value(k + 1), value(k + 2)]))));
     }
     if size < bytes.len() as u64 {
         let what = format!("{} bytes behind the last triangle were ignored", bytes.len() as u64 - size);
@@ -131,7 +132,7 @@ impl<'a> Iterator for Words<'a> {
     }
 }
 
-fn parse_text(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, LoadError> {
+fn parse_text(bytes: &[u8], frame: &Frame, progress: &LoadProgress) -> Result<Scene, LoadError> {
     let mut weld = Weld::new();
     let mut triangles = Vec::new();
     let mut polygons = Polygons::default();
@@ -188,7 +189,7 @@ fn parse_text(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, LoadError>
                 }
             }
             b"vertex" => {
-                let position = text::numbers(words.by_ref()).ok_or_else(|| {
+                let position = text::position(words.by_ref(), frame).ok_or_else(|| {
                     let fix = "write \"vertex x y z\"; the file may be cut off";
                     invalid(Place::Line(words.line), "a vertex has no three numbers", fix)
                 })?;

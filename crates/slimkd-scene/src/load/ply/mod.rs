@@ -6,6 +6,7 @@ mod uniform;
 mod values;
 
 use super::{Format, LoadError, LoadProgress, Place, polygon::Polygons};
+use crate::origin::Frame;
 use crate::{Attribute, Scene, Warning, WarningKind};
 use header::{Element, Encoding, Header, Number};
 use roles::{SLOTS, Slots, VertexColumns, colour_byte, colour_slot, corner_list, corner_uvs};
@@ -22,9 +23,9 @@ fn invalid(place: Place, what: impl Into<String>, fix: &'static str) -> LoadErro
     LoadError::Invalid { format: Format::Ply, place, what: what.into(), fix }
 }
 
-pub(super) fn parse(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, LoadError> {
+pub(super) fn parse(bytes: &[u8], frame: &Frame, progress: &LoadProgress) -> Result<Scene, LoadError> {
     let header = Header::parse(bytes)?;
-    let body = Body::new(&header)?;
+    let body = Body::new(&header, frame)?;
     match header.encoding {
         Encoding::Text => {
             body.read(Text { bytes, at: header.bytes, line: header.lines + 1 }, bytes, progress, |_, _| {
@@ -41,6 +42,7 @@ pub(super) fn parse(bytes: &[u8], progress: &LoadProgress) -> Result<Scene, Load
 /// The mesh while it is read.
 struct Body<'h> {
     elements: &'h [Element],
+    frame: &'h Frame,
     encoding: Encoding,
     /// The element that is being read.
     current: usize,
@@ -65,7 +67,7 @@ struct Body<'h> {
 }
 
 impl<'h> Body<'h> {
-    fn new(header: &'h Header) -> Result<Self, LoadError> {
+    fn new(header: &'h Header, frame: &'h Frame) -> Result<Self, LoadError> {
         let named = |name: &str| header.elements.iter().position(|element| element.name == name);
         let vertex = named("vertex").ok_or_else(|| {
             invalid(Place::Line(header.lines), "the header has no vertex element", "add the vertices")
@@ -103,6 +105,7 @@ impl<'h> Body<'h> {
         };
         Ok(Self {
             elements: &header.elements,
+            frame,
             encoding: header.encoding,
             current: 0,
             vertex,
@@ -205,7 +208,7 @@ impl<'h> Body<'h> {
         let data = rest.get(..length).ok_or_else(|| cut_off(Place::Byte(values.bytes.len() as u64)))?;
         values.at += length;
         if self.current == self.vertex {
-            uniform::vertices(data, element, encoding, &self.slots, &mut self.columns, progress)?;
+            uniform::vertices(data, element, encoding, &self.slots, &mut self.columns, self.frame, progress)?;
         }
         Ok(true)
     }
@@ -217,6 +220,9 @@ impl<'h> Body<'h> {
             match *slot {
                 Some(slot @ 8..) => {
                     row[slot] = f32::from(colour_byte(values.next(property.number)?, property.number));
+                }
+                Some(axis @ 0..3) if self.frame.moves() => {
+                    row[axis] = self.frame.axis(axis, values.next(values.exact(property.number))?);
                 }
                 Some(slot) => row[slot] = values.next(property.number)? as f32,
                 None => skip(values, property.length, property.number)?,
