@@ -215,11 +215,11 @@ impl ExactRay {
     /// The sign of det(d, p − o, q − o).
     fn side(&self, p: &[f32; 3], q: &[f32; 3]) -> i8 {
         let mut sum = Expansion::default();
-        sum.add_determinant(1.0, self.direction.map(whole), self.from_origin(p), self.from_origin(q));
+        sum.add_determinant(1.0, self.direction.map(whole), self.seen(p), self.seen(q));
         sum.sign()
     }
 
-    fn from_origin(&self, p: &[f32; 3]) -> [Double; 3] {
+    fn seen(&self, p: &[f32; 3]) -> [Double; 3] {
         std::array::from_fn(|k| Double::difference(p[k], self.origin[k]))
     }
 
@@ -288,7 +288,7 @@ impl ExactRay {
             return None;
         }
         let [to_corner, e1, e2] = self.rows(corners);
-        let (d, to_others) = (self.direction.map(whole), [c, b].map(|p| self.from_origin(p)));
+        let (d, to_others) = (self.direction.map(whole), [c, b].map(|p| self.seen(p)));
         let along = number(d, e1, e2);
         let t = (number(to_corner, e1, e2) / along).max(self.t_min).min(self.t_max);
         let u = number(d, to_others[0], to_corner) / along;
@@ -305,7 +305,7 @@ impl ExactRay {
     /// From the origin to corner a, and the edges from there.
     fn rows(&self, [a, b, c]: &Corners) -> [[Double; 3]; 3] {
         let edge = |p: &[f32; 3]| std::array::from_fn(|k| Double::difference(p[k], a[k]));
-        [self.from_origin(a), edge(b), edge(c)]
+        [self.seen(a), edge(b), edge(c)]
     }
 
     /// Whether the ray's origin lies on the closed triangle, exactly.
@@ -334,7 +334,7 @@ impl ExactRay {
             let unit = std::array::from_fn(|k| whole(if k == axis { 1.0 } else { 0.0 }));
             let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| {
                 let mut sum = Expansion::default();
-                sum.add_determinant(1.0, unit, self.from_origin(p), self.from_origin(q));
+                sum.add_determinant(1.0, unit, self.seen(p), self.seen(q));
                 sum.sign()
             });
             !(sides.contains(&1) && sides.contains(&-1))

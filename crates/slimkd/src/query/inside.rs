@@ -19,8 +19,7 @@ pub(super) fn contains(tracer: &dyn Tracer, point: [f64; 3], found: &mut Vec<Cro
     let (mut nearest, mut direction) = (f64::INFINITY, [0.0; 3]);
     for k in 0..3 {
         for (distance, sign) in [(point[k] - f64::from(min[k]), -1.0), (f64::from(max[k]) - point[k], 1.0)] {
-            // Also where it is not a number.
-            if !(distance >= 0.0) {
+            if distance.is_nan() || distance < 0.0 {
                 return false;
             }
             if distance < nearest {

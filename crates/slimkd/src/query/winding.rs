@@ -116,7 +116,7 @@ impl WindingNumbers {
             let square = dot(to, to);
             let far = self.accuracy * node.radius;
             if square > far * far {
-                solid_angle += node.from_afar(to, square);
+                solid_angle += node.seen_from_afar(to, square);
                 at = node.next as usize;
             } else if node.triangles.len() <= LEAF {
                 let ids = &self.triangles[node.triangles.start as usize..node.triangles.end as usize];
@@ -196,7 +196,7 @@ impl Node {
     }
 
     /// The solid angle of the whole group as seen from a far point; `to` leads from there to the centre.
-    fn from_afar(&self, to: Vector, square: f64) -> f64 {
+    fn seen_from_afar(&self, to: Vector, square: f64) -> f64 {
         let cube = square * square.sqrt();
         let trace = self.spread[0][0] + self.spread[1][1] + self.spread[2][2];
         let along = dot(to, self.spread.map(|row| dot(row, to)));

@@ -72,7 +72,7 @@ fn every_tree_and_batch_sees_the_same() {
     segments[5].to = segments[5].from;
     segments[6].to[1] = f32::NAN;
     let except: Vec<u32> = (0..segments.len() as u32).map(|i| i % 40).collect();
-    let accept = |at: usize, hit: &slimkd::Hit| (at + hit.triangle as usize) % 3 != 0;
+    let accept = |at: usize, hit: &slimkd::Hit| !(at + hit.triangle as usize).is_multiple_of(3);
     let mut expected = [(); 3].map(|()| vec![false; segments.len()]);
     let ask = |tracer: &dyn Tracer, out: &mut [Vec<bool>; 3]| {
         tracer.batch().visible(&segments, &mut out[0]);

@@ -131,7 +131,7 @@ fn every_tree_says_what_brute_force_says() {
             .map(|ray| RayF64 { origin: [0, 1, 2].map(|k| ray.origin[k] + origin[k]), ..ray })
             .collect();
         let except: Vec<u32> = (0..rays.len() as u32).map(|i| i % mesh.len() as u32).collect();
-        let accept = |at: usize, hit: &slimkd::Hit| (at + hit.triangle as usize) % 3 != 0;
+        let accept = |at: usize, hit: &slimkd::Hit| !(at + hit.triangle as usize).is_multiple_of(3);
         type Answers =
             (Vec<Option<HitF64>>, Vec<Option<HitF64>>, Vec<bool>, Vec<Vec<HitF64>>, Vec<Crossings>);
         let ask = |tracer: &dyn Tracer| -> Answers {
