@@ -20,7 +20,7 @@ pub(crate) fn choose(
     count: usize,
 ) -> Result<Vec<(usize, Camera)>, Failure> {
     let up = scene.up.unwrap_or_default();
-    if let Some(camera) = args.camera(up) {
+    if let Some(camera) = args.camera(up, scene.mesh.origin()) {
         return Ok(vec![(1, camera)]);
     }
     let count = args.view.map_or(count, usize::from);

@@ -1,17 +1,17 @@
 //! Ray files and hit files.
 //!
-//! `rays.f32`: little-endian f32 × 8 a ray, `ox oy oz t_min dx dy dz t_max`. `hits.bin`: 16 bytes a ray, little-endian
+//! `rays.f32`: little-endian f32 × 8 a ray, `ox oy oz t_min dx dy dz t_max`; `rays.f64`: the same in f64, which the file's ending says. `hits.bin`: 16 bytes a ray, little-endian
 //! `t f32` (+inf on a miss), `triangle u32` (0xFFFFFFFF on a miss), `u f32`, `v f32`; of any-hits t is 0 on a hit and
 //! only "hit or not" counts.
 
 use crate::failure::Failure;
-use slimkd::{Hit, Ray};
+use slimkd::{Hit, Ray, RayF64};
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Bytes of a ray in a file.
-const RAY_BYTES: usize = 32;
+/// Numbers of a ray in a file.
+const RAY_NUMBERS: usize = 8;
 /// Rays that are read, traced and written at a time: enough for all threads, 12 MiB in all buffers.
 pub(crate) const BATCH: usize = 1 << 17;
 /// The triangle of a miss.
@@ -23,8 +23,32 @@ pub(crate) struct RayFile {
     path: PathBuf,
     /// Rays in the file; `None` for a pipe.
     count: Option<u64>,
+    /// Bytes of a number: 8 in `rays.f64`.
+    width: usize,
     bytes: Vec<u8>,
     read: u64,
+}
+
+/// A batch of rays, as the file has them.
+#[derive(Debug)]
+pub(crate) enum Rays {
+    F32(Vec<Ray>),
+    F64(Vec<RayF64>),
+}
+
+impl Rays {
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::F32(rays) => rays.len(),
+            Self::F64(rays) => rays.len(),
+        }
+    }
+}
+
+impl Default for Rays {
+    fn default() -> Self {
+        Self::F32(Vec::new())
+    }
 }
 
 impl RayFile {
@@ -38,13 +62,20 @@ impl RayFile {
         if metadata.is_dir() {
             return Err(unreadable(std::io::ErrorKind::IsADirectory.into()));
         }
+        let width =
+            if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("f64")) { 8 } else { 4 };
+        let ray = (RAY_NUMBERS * width) as u64;
         let count = match metadata.len() {
-            length if !metadata.is_file() || length % RAY_BYTES as u64 == 0 => {
-                metadata.is_file().then_some(length / RAY_BYTES as u64)
-            }
-            length => return Err(odd_length(path, length)),
+            length if !metadata.is_file() || length % ray == 0 => metadata.is_file().then_some(length / ray),
+            length => return Err(odd_length(path, length, width)),
         };
-        Ok(Self { file, path: path.to_owned(), count, bytes: vec![0; BATCH * RAY_BYTES], read: 0 })
+        let bytes = vec![0; BATCH * RAY_NUMBERS * width];
+        Ok(Self { file, path: path.to_owned(), count, width, bytes, read: 0 })
+    }
+
+    /// Whether the rays are in f64.
+    pub(crate) fn is_f64(&self) -> bool {
+        self.width == 8
     }
 
     /// Rays in the file, where that is known beforehand.
@@ -53,7 +84,7 @@ impl RayFile {
     }
 
     /// Reads the next rays into `rays`; none at the end.
-    pub(crate) fn next_batch(&mut self, rays: &mut Vec<Ray>) -> Result<(), Failure> {
+    pub(crate) fn next_batch(&mut self, rays: &mut Rays) -> Result<(), Failure> {
         let mut filled = 0;
         while filled < self.bytes.len() {
             match self.file.read(&mut self.bytes[filled..]) {
@@ -68,19 +99,35 @@ impl RayFile {
             }
         }
         self.read += filled as u64;
-        if filled % RAY_BYTES != 0 {
-            return Err(odd_length(&self.path, self.read));
+        let ray = RAY_NUMBERS * self.width;
+        if filled % ray != 0 {
+            return Err(odd_length(&self.path, self.read, self.width));
         }
-        rays.clear();
-        rays.extend(self.bytes[..filled].chunks_exact(RAY_BYTES).map(decode));
+        let records = self.bytes[..filled].chunks_exact(ray);
+        if self.width == 4 && !matches!(rays, Rays::F32(_)) {
+            *rays = Rays::F32(Vec::new());
+        } else if self.width == 8 && !matches!(rays, Rays::F64(_)) {
+            *rays = Rays::F64(Vec::new());
+        }
+        match rays {
+            Rays::F32(rays) => {
+                rays.clear();
+                rays.extend(records.map(decode));
+            }
+            Rays::F64(rays) => {
+                rays.clear();
+                rays.extend(records.map(decode_f64));
+            }
+        }
         Ok(())
     }
 }
 
-fn odd_length(path: &Path, length: u64) -> Failure {
-    let whole = length / RAY_BYTES as u64 * RAY_BYTES as u64;
+fn odd_length(path: &Path, length: u64, width: usize) -> Failure {
+    let ray = (RAY_NUMBERS * width) as u64;
+    let (whole, bits) = (length / ray * ray, 8 * width);
     let what = format_args!(
-        "{length} bytes are not a whole number of rays, the last ends at byte {whole}; write 8 little-endian f32 a ray"
+        "{length} bytes are not a whole number of rays, the last ends at byte {whole}; write 8 little-endian f{bits} a ray"
     );
     Failure::at(path, what)
 }
@@ -89,6 +136,12 @@ fn decode(bytes: &[u8]) -> Ray {
     let [ox, oy, oz, t_min, dx, dy, dz, t_max] =
         std::array::from_fn(|k| f32::from_le_bytes(std::array::from_fn(|byte| bytes[4 * k + byte])));
     Ray { origin: [ox, oy, oz], direction: [dx, dy, dz], t_min, t_max }
+}
+
+fn decode_f64(bytes: &[u8]) -> RayF64 {
+    let [ox, oy, oz, t_min, dx, dy, dz, t_max] =
+        std::array::from_fn(|k| f64::from_le_bytes(std::array::from_fn(|byte| bytes[8 * k + byte])));
+    RayF64 { origin: [ox, oy, oz], direction: [dx, dy, dz], t_min, t_max }
 }
 
 /// A closest hit as the hit file has it.

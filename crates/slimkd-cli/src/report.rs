@@ -41,6 +41,8 @@ struct Scene {
     triangles: u64,
     vertices: u64,
     degenerate: u64,
+    /// Where in the world the tree's coordinates are 0.
+    origin: [f64; 3],
 }
 
 #[derive(Debug, Serialize)]
@@ -121,7 +123,12 @@ impl Report {
         let options = tree.tree.options();
         Self {
             schema: SCHEMA,
-            scene: Scene { triangles, vertices: tree.tree.mesh().vertices().len() as u64, degenerate },
+            scene: Scene {
+                triangles,
+                vertices: tree.tree.mesh().vertices().len() as u64,
+                degenerate,
+                origin: tree.tree.mesh().origin(),
+            },
             preset: options.preset.name(),
             threads: thread_count(threads),
             sah: Sah {

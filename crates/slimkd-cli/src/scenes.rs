@@ -44,6 +44,10 @@ pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded
         let what = "only scene files have a choice of --scene-index; leave it out";
         return Err(Failure::Usage(format!("{}: {what}", path.display())));
     }
+    if details.origin.is_some() && (find(path).is_some() || (is_saved(path) && details.mesh.is_none())) {
+        let what = "only scene files have a choice of --origin; leave it out";
+        return Err(Failure::Usage(format!("{}: {what}", path.display())));
+    }
     if is_saved(path) {
         return saved::load(path, details, ui);
     }
@@ -64,6 +68,7 @@ pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded
     let mut options = LoadOptions::new();
     options.scene_index = details.scene_index;
     options.allow_outside = details.allow_outside;
+    options.origin = details.origin.unwrap_or_default();
     let scene = ui.watch("load", &progress, || slimkd_scene::load_with(path, &options, &progress)).map_err(
         |error| match error {
             LoadError::Cancelled => Failure::Interrupted,
@@ -76,6 +81,14 @@ pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded
     )?;
     let place = path.display().to_string();
     ui.warn_of(&place, &scene.warnings)?;
+    if let [x, y, z] = scene.mesh.origin()
+        && [x, y, z] != [0.0; 3]
+    {
+        let rounding = scene.rounding;
+        ui.note(format_args!(
+            "{place}: origin {x},{y},{z}; rounding moves no vertex farther than {rounding:.1e}"
+        ));
+    }
     Ok(Loaded { scene, place, seconds: started.elapsed().as_secs_f64(), tree: None })
 }
 

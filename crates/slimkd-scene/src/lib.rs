@@ -24,6 +24,7 @@ mod light;
 mod load;
 mod material;
 mod merge;
+mod origin;
 pub mod procedural;
 mod save;
 mod scene;
@@ -37,6 +38,7 @@ pub use load::{
     load_with,
 };
 pub use material::{Material, Texture};
+pub use origin::{Origin, UnknownOrigin};
 pub use save::write_ply;
 pub use scene::{Attribute, Scene};
 pub use warning::{Warning, WarningKind};

@@ -1,6 +1,6 @@
 //! Several scenes as one.
 
-use crate::{Attribute, Scene};
+use crate::{Attribute, Scene, origin::Frame};
 use glam::{DMat3, DMat4, DVec3};
 use slimkd::{MeshError, TriangleMesh};
 use std::sync::Arc;
@@ -9,8 +9,8 @@ use std::sync::Arc;
 const NONE: u32 = u32::MAX;
 
 impl Scene {
-    /// Puts scenes into one: triangles, vertices and materials of the first come first. Nothing is moved or welded. The
-    /// result has the first scene's name and its way up; fails when there are more vertices or triangles than ids can name.
+    /// Puts scenes into one: triangles, vertices and materials of the first come first. Nothing is moved in the world or welded. The
+    /// result has the first scene's name and its way up, and the first origin that is not 0; fails when there are more vertices or triangles than ids can name.
     ///
     /// ```
     /// use slimkd_scene::{Format, Scene, load_bytes};
@@ -23,13 +23,17 @@ impl Scene {
         if scenes.len() < 2 {
             return Ok(scenes.pop().unwrap_or_default());
         }
+        let origins = scenes.iter().map(|scene| scene.mesh.origin());
+        let origin = origins.into_iter().find(|origin| *origin != [0.0; 3]).unwrap_or_default();
         let mut gathered = Gather::default();
         let mut whole = Self {
             name: scenes[0].name.clone(),
             up: scenes.iter().find_map(|scene| scene.up),
             ..Self::default()
         };
-        for scene in scenes {
+        for mut scene in scenes {
+            scene.move_to(origin)?;
+            whole.rounding = whole.rounding.max(scene.rounding);
             let (materials, textures) = (whole.materials.len() as u32, whole.textures.len() as u32);
             gathered.append(&scene, None);
             whole.materials.extend(scene.materials.into_iter().map(|mut material| {
@@ -44,13 +48,15 @@ impl Scene {
             whole.warnings.extend(scene.warnings);
         }
         let Self { mesh, normals, uvs, colours, face_colours, .. } = gathered.finish()?;
+        let mesh = Arc::new(Arc::unwrap_or_clone(mesh).with_origin(origin));
         Ok(Self { mesh, normals, uvs, colours, face_colours, ..whole })
     }
 }
 
 /// Where a part is put, and how it is turned.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Placement {
+pub(crate) struct Placement<'f> {
+    frame: &'f Frame,
     world: DMat4,
     for_normals: DMat3,
     /// Two corners change places: a mirrored triangle would face the other way.
@@ -63,14 +69,14 @@ pub(crate) struct Placement {
     faceted: bool,
 }
 
-impl Placement {
-    /// A placement by a transform.
-    pub(crate) fn new(world: DMat4) -> Self {
+impl<'f> Placement<'f> {
+    /// A placement by a transform to the world, and the frame that positions there go through.
+    pub(crate) fn new(world: DMat4, frame: &'f Frame) -> Self {
         let linear = DMat3::from_mat4(world);
         let determinant = linear.determinant();
         let for_normals = if determinant == 0.0 { linear } else { linear.inverse().transpose() };
         let turned = determinant < 0.0;
-        Self { world, for_normals, turned, flipped: false, from_above: false, faceted: false }
+        Self { frame, world, for_normals, turned, flipped: false, from_above: false, faceted: false }
     }
 
     /// Makes what is outside the inside.
@@ -106,8 +112,8 @@ impl Gather {
         self.triangles.len()
     }
 
-    /// Adds a part's triangles behind those that are there.
-    pub(crate) fn append(&mut self, part: &Scene, placement: Option<&Placement>) {
+    /// Adds a part's triangles behind those that are there. Without a placement, its coordinates are those of the whole.
+    pub(crate) fn append(&mut self, part: &Scene, placement: Option<&Placement<'_>>) {
         let (mesh, before) = (&part.mesh, self.triangles.len());
         let turned = placement.is_some_and(|placement| placement.turned);
         let at = Place {
@@ -123,7 +129,7 @@ impl Gather {
                 self.uvs.append(part.uvs.as_ref(), &at, |uv| uv);
                 self.vertices.extend_from_slice(mesh.vertices());
             }
-            Some(&Placement { world, for_normals, flipped, from_above, faceted, .. }) => {
+            Some(&Placement { frame, world, for_normals, flipped, from_above, faceted, .. }) => {
                 let sign = if flipped { -1.0 } else { 1.0 };
                 let normal = |n: [f32; 3]| {
                     let n = for_normals * DVec3::from(n.map(f64::from));
@@ -132,12 +138,13 @@ impl Gather {
                 self.normals.append(part.normals.as_ref().filter(|_| !faceted), &at, normal);
                 let uv = |[u, v]: [f32; 2]| if from_above { [u, 1.0 - v] } else { [u, v] };
                 self.uvs.append(part.uvs.as_ref(), &at, uv);
-                // The one place where coordinates become f32.
-                self.vertices.extend(
-                    mesh.vertices()
-                        .iter()
-                        .map(|&p| world.transform_point3(DVec3::from(p.map(f64::from))).as_vec3().to_array()),
-                );
+                let origin = DVec3::from(mesh.origin());
+                self.vertices.extend(mesh.vertices().iter().map(|&p| {
+                    let p = origin + DVec3::from(p.map(f64::from));
+                    frame.put(world.transform_point3(p).to_array())
+                }));
+                let linear = DMat3::from_mat4(world);
+                frame.carry(part.rounding * linear.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt());
             }
         }
         self.colours.append(part.colours.as_ref(), &at, |colour| colour);

@@ -1,4 +1,5 @@
-//! Scenes written to files: binary PLY, float32 positions and triangle lists of int32, with the scene's colours.
+//! Scenes written to files: binary PLY, float32 positions (float64 where the mesh has an origin) and triangle lists of int32, with
+//! the scene's colours.
 
 use crate::{Attribute, Scene, Warning, WarningKind};
 use slimkd::TriangleMesh;
@@ -7,7 +8,8 @@ use std::io::{self, Write};
 /// What has no colour of its own is white, as readers take it where a file has no colours.
 const WHITE: [u8; 4] = [255; 4];
 
-/// Writes `mesh` as a binary PLY. Triangle ids are face order, so that a tree of the file has the ids of this mesh.
+/// Writes `mesh` as a binary PLY. Triangle ids are face order, so that a tree of the file has the ids of this mesh. Positions are those
+/// of the world: where the mesh has an origin, as doubles.
 ///
 /// ```
 /// use slimkd_scene::{Format, load_bytes, write_ply};
@@ -73,21 +75,30 @@ fn write(
     const COLOURS: &str =
         "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
     let colours_if = |there: bool| if there { COLOURS } else { "" };
+    let origin = mesh.origin();
+    let is_far = origin != [0.0; 3];
+    let real = if is_far { "double" } else { "float" };
     write!(
         to,
-        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n\
-         property float z\n{}element face {}\nproperty list uchar int vertex_indices\n{}end_header\n",
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty {real} x\nproperty {real} y\n\
+         property {real} z\n{}element face {}\nproperty list uchar int vertex_indices\n{}end_header\n",
         mesh.vertices().len(),
         colours_if(vertices.is_some()),
         mesh.len(),
         colours_if(!faces.is_empty()),
     )?;
     for (index, vertex) in mesh.vertices().iter().enumerate() {
-        let mut record = [0; 12];
-        for (bytes, x) in record.chunks_exact_mut(4).zip(vertex) {
-            bytes.copy_from_slice(&x.to_le_bytes());
+        if is_far {
+            for (origin, x) in origin.iter().zip(vertex) {
+                to.write_all(&(origin + f64::from(*x)).to_le_bytes())?;
+            }
+        } else {
+            let mut record = [0; 12];
+            for (bytes, x) in record.chunks_exact_mut(4).zip(vertex) {
+                bytes.copy_from_slice(&x.to_le_bytes());
+            }
+            to.write_all(&record)?;
         }
-        to.write_all(&record)?;
         if let Some(colours) = vertices {
             to.write_all(&colours[index])?;
         }

@@ -32,8 +32,11 @@ impl<T: Copy> Attribute<T> {
 pub struct Scene {
     /// File stem, or the built-in scene's name.
     pub name: String,
-    /// The geometry; triangle ids are positions in it.
+    /// The geometry; triangle ids are positions in it. Its coordinates count from its [origin](TriangleMesh::origin), as do those of cameras and
+    /// lights.
     pub mesh: Arc<TriangleMesh>,
+    /// Where the mesh has an origin: no vertex was moved farther than this by rounding to f32, scene units.
+    pub rounding: f64,
     /// At least one material once the scene is complete.
     pub materials: Vec<Material>,
     /// Material of each triangle; empty: material 0 for all.

@@ -2,7 +2,7 @@
 
 use super::parse::within;
 use clap::{Args, ValueEnum};
-use glam::Vec3;
+use glam::DVec3;
 use slimkd_scene::{Camera, UpAxis};
 use std::str::FromStr;
 
@@ -38,10 +38,11 @@ impl CameraArgs {
     }
 
     /// The camera as given. It may look along the scene's `up`, unless that is what the command line says: then it
-    /// would have no upright picture.
-    pub(crate) fn camera(&self, up: UpAxis) -> Option<Camera> {
+    /// would have no upright picture. What it says is in the world; the camera is in coordinates of a scene that has its `origin` there.
+    pub(crate) fn camera(&self, up: UpAxis, origin: [f64; 3]) -> Option<Camera> {
         let RawCamera { eye, target, fov } = self.camera?;
-        let forward = (target.as_dvec3() - eye.as_dvec3()).normalize_or_zero().as_vec3();
+        let forward = (target - eye).normalize_or_zero().as_vec3();
+        let [eye, target] = [eye, target].map(|point| (point - DVec3::from(origin)).as_vec3());
         let upright = |axis: &UpAxis| forward.cross(axis.vector()).length() > LEAST_SINE;
         let other = [up, UpAxis::Y, UpAxis::Z].into_iter().find(upright).filter(|_| self.up.is_none());
         Some(Camera { eye, target, up: other.unwrap_or(up).vector(), fov })
@@ -59,8 +60,8 @@ enum Up {
 /// What `--camera` says.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct RawCamera {
-    eye: Vec3,
-    target: Vec3,
+    eye: DVec3,
+    target: DVec3,
     fov: f32,
 }
 
@@ -68,16 +69,17 @@ impl FromStr for RawCamera {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let numbers = text.split(',').map(|part| part.trim().parse::<f32>().ok().filter(|x| x.is_finite()));
+        let numbers = text.split(',').map(|part| part.trim().parse::<f64>().ok().filter(|x| x.is_finite()));
         let numbers = numbers.collect::<Option<Vec<_>>>().unwrap_or_default();
         let (place, fov) = match numbers[..] {
             [ex, ey, ez, tx, ty, tz] => ([ex, ey, ez, tx, ty, tz], DEFAULT_FOV),
-            [ex, ey, ez, tx, ty, tz, fov] => ([ex, ey, ez, tx, ty, tz], fov),
+            [ex, ey, ez, tx, ty, tz, fov] => ([ex, ey, ez, tx, ty, tz], fov as f32),
             _ => {
                 return Err("expected 6 or 7 numbers with commas between: ex,ey,ez,tx,ty,tz[,fov]".to_owned());
             }
         };
-        let camera = Self { eye: Vec3::from_slice(&place[..3]), target: Vec3::from_slice(&place[3..]), fov };
+        let camera =
+            Self { eye: DVec3::from_slice(&place[..3]), target: DVec3::from_slice(&place[3..]), fov };
         if camera.eye == camera.target {
             return Err("eye and target are the same point; move one of them".to_owned());
         }
@@ -97,7 +99,7 @@ mod tests {
         let camera: RawCamera = "-400,-600,300, 100,0,20,55".parse().unwrap();
         assert_eq!(
             (camera.eye, camera.target, camera.fov),
-            (Vec3::new(-400.0, -600.0, 300.0), Vec3::new(100.0, 0.0, 20.0), 55.0)
+            (DVec3::new(-400.0, -600.0, 300.0), DVec3::new(100.0, 0.0, 20.0), 55.0)
         );
         assert_eq!("0,0,0,1,0,0".parse::<RawCamera>().unwrap().fov, DEFAULT_FOV);
         for wrong in [

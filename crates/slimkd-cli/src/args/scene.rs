@@ -2,6 +2,7 @@
 
 use super::parse::triangles;
 use clap::Args;
+use slimkd_scene::Origin;
 use std::num::NonZeroU32;
 use std::path::PathBuf;
 
@@ -38,4 +39,8 @@ pub(crate) struct SceneDetails {
     /// Which scene of a glTF file with several, from 0; without it the one that the file names as its default
     #[arg(long, value_name = "N")]
     pub(crate) scene_index: Option<usize>,
+    /// Which point of the file's coordinates becomes 0 in the tree: auto is one near a scene that is far from 0 compared with its size
+    /// (georeferenced ones), none keeps f32 steps of centimetres there. Rays, cameras and hits stay where the file is
+    #[arg(long, value_name = "auto|none|x,y,z", allow_hyphen_values = true)]
+    pub(crate) origin: Option<Origin>,
 }

@@ -151,6 +151,7 @@ fn measure(
         mesh: None,
         allow_outside: false,
         scene_index: None,
+        origin: None,
     };
     let mut loaded = scenes::load(path, &details, ui)?;
     if loaded.scene.mesh.is_empty() {

@@ -3,7 +3,7 @@
 use crate::common::{Tool, keys, set, square};
 use serde_json::Value;
 
-const REPORT: &str = "schema scene.triangles scene.vertices scene.degenerate preset threads sah.traversal \
+const REPORT: &str = "schema scene.triangles scene.vertices scene.degenerate scene.origin[] preset threads sah.traversal \
     sah.intersection sah.empty_bonus nodes.inner nodes.t_inner nodes.leaf nodes.empty_leaf references.leaf_4byte \
     references.leaf_2byte references.leaf_other references.t bytes.nodes bytes.t_references bytes.indices \
     bytes.id_map bytes.triangle_copies bytes.other bytes.tree bytes.mesh bytes.geometry bytes.resident bytes.build_peak \

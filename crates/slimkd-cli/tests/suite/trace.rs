@@ -173,3 +173,46 @@ fn a_mapped_tree_that_is_cut_short_is_one_line() {
     assert_eq!(stderr.lines().count(), 1, "{stderr}");
     assert!(stderr.contains("tree.skd: was cut short while it was traced"), "{stderr}");
 }
+
+/// A wall in UTM coordinates, and rays that start a centimetre beside it: away from it, and into it.
+#[test]
+fn rays_in_f64_are_on_the_right_side_of_a_far_wall() {
+    let tool = Tool::new();
+    let wall = "v 528980.85 183526.1 0\nv 528980.85 183526.1 3\nv 528982.3 183523.55 0\nv 528982.3 183523.55 3\nf 2 1 3\nf 2 3 4\n";
+    tool.file("wall.obj", wall);
+    let start = [528_981.583_692_901_2, 183_524.829_943_022_25, 1.0];
+    let away = [0.869_290_118_919_176_4, 0.494_302_224_503_879_8, 0.0];
+    let ray = |sign: f64| {
+        let direction = away.map(|x| sign * x);
+        [&start[..], &[0.0], &direction, &[f64::INFINITY]].concat().into_iter().flat_map(f64::to_le_bytes)
+    };
+    tool.file("rays.f64", ray(1.0).chain(ray(-1.0)).collect::<Vec<u8>>());
+    let run = tool.ok("build wall.obj -o wall.skd --json");
+    assert!(run.stderr.contains("origin 528980,183524,0"), "{}", run.stderr);
+    let json: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(json["scene"]["origin"], serde_json::json!([528_980.0, 183_524.0, 0.0]));
+    for scene in ["wall.obj", "wall.skd", "wall.skd --no-verify", "wall.obj --origin 528000,183000,0"] {
+        for kind in ["closest", "any"] {
+            tool.ok(&format!("trace {scene} --rays rays.f64 --out hits.bin --kind {kind} --threads 2"));
+            let records = records(&std::fs::read(tool.path("hits.bin")).unwrap());
+            assert_eq!(records.len(), 2);
+            assert_eq!((records[0][1], records[1][1] != u32::MAX), (u32::MAX, true), "{scene} {kind}");
+            let t = f32::from_bits(records[1][0]);
+            assert!(kind == "any" || (t - 0.01).abs() < 1e-4, "{scene}: {t}");
+        }
+    }
+    // Rays of f32 are in the file's coordinates, too.
+    ray_file(&tool.path("rays.f32"), &[Ray::new([528_990.0, 183_530.0, 1.0], [-0.87, -0.49, 0.0])]);
+    tool.ok("trace wall.obj --rays rays.f32 --out hits.bin");
+    assert_ne!(records(&std::fs::read(tool.path("hits.bin")).unwrap())[0][1], u32::MAX);
+    // What is written again is where it was.
+    tool.ok("convert wall.obj -o wall.ply");
+    let json = tool.json("inspect wall.ply --json");
+    assert_eq!(json["scene"]["origin"], serde_json::json!([528_980.0, 183_524.0, 0.0]));
+    let none = tool.json("build wall.obj --origin none --json");
+    assert_eq!(none["scene"]["origin"], serde_json::json!([0.0, 0.0, 0.0]));
+    tool.fails("build wall.skd --origin none", 2, &["--origin"]);
+    tool.fails("build kitchen --origin 1,2,3", 2, &["--origin"]);
+    tool.file("odd.f64", [0; 72]);
+    tool.fails("trace wall.obj --rays odd.f64 --out h", 1, &["byte 64", "f64"]);
+}

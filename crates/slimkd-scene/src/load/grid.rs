@@ -5,6 +5,7 @@
 //! there is none. An array of NumPy has cells of size 1, its south-western vertex at the origin, and misses what is not finite.
 
 use super::{Format, LoadError, Loading, Place, Progress, error::quoted, text};
+use crate::origin::Frame;
 use crate::{Scene, UpAxis, Warning, WarningKind};
 use slimkd::TriangleMesh;
 use std::sync::Arc;
@@ -27,7 +28,7 @@ struct Grid {
 }
 
 /// ESRI's text format: a header of names and numbers, then the rows.
-pub(super) fn parse_ascii(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
+pub(super) fn parse_ascii(bytes: &[u8], frame: &Frame, progress: &Progress) -> Result<Scene, LoadError> {
     let wrong = |line, what: String, fix| invalid(Format::AsciiGrid, Place::Line(line), what, fix);
     let (mut rows, mut columns) = (None, None);
     let (mut corner, mut is_centre, mut cell) = ([0.0f64; 2], [false; 2], [None::<f64>; 2]);
@@ -114,11 +115,11 @@ pub(super) fn parse_ascii(bytes: &[u8], progress: &Progress) -> Result<Scene, Lo
     }
     let half = |axis: usize| if is_centre[axis] { 0.0 } else { 0.5 * cell[axis] };
     let origin = [corner[0] + half(0), corner[1] + half(1)];
-    scene(&Grid { rows, columns, origin, cell }, &values, &missing, progress)
+    scene(&Grid { rows, columns, origin, cell }, &values, &missing, frame, progress)
 }
 
 /// NumPy's format, versions 1 to 3 (NumPy Enhancement Proposal 1).
-pub(super) fn parse_npy(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
+pub(super) fn parse_npy(bytes: &[u8], frame: &Frame, progress: &Progress) -> Result<Scene, LoadError> {
     let wrong = |at: usize, what: &str, fix| invalid(Format::Npy, Place::Byte(at as u64), what, fix);
     let damaged = "the file is damaged or no array of NumPy";
     let (Some(b"\x93NUMPY"), Some(&version)) = (bytes.get(..6), bytes.get(6)) else {
@@ -189,10 +190,16 @@ pub(super) fn parse_npy(bytes: &[u8], progress: &Progress) -> Result<Scene, Load
         }
     }
     let missing: Vec<bool> = values.iter().map(|value| !value.is_finite()).collect();
-    scene(&Grid { rows, columns, origin: [0.0; 2], cell: [1.0; 2] }, &values, &missing, progress)
+    scene(&Grid { rows, columns, origin: [0.0; 2], cell: [1.0; 2] }, &values, &missing, frame, progress)
 }
 
-fn scene(grid: &Grid, values: &[f64], missing: &[bool], progress: &Progress) -> Result<Scene, LoadError> {
+fn scene(
+    grid: &Grid,
+    values: &[f64],
+    missing: &[bool],
+    frame: &Frame,
+    progress: &Progress,
+) -> Result<Scene, LoadError> {
     let &Grid { rows, columns, origin, cell } = grid;
     if values.len() as u64 > u64::from(u32::MAX) {
         // Refused before triangles are made of them.
@@ -202,11 +209,11 @@ fn scene(grid: &Grid, values: &[f64], missing: &[bool], progress: &Progress) -> 
     }
     let mut vertices = Vec::with_capacity(values.len());
     for row in 0..rows {
-        let y = (origin[1] + (rows - 1 - row) as f64 * cell[1]) as f32;
+        let y = frame.axis(1, origin[1] + (rows - 1 - row) as f64 * cell[1]);
         for column in 0..columns {
             let at = row * columns + column;
-            let z = if missing[at] { 0.0 } else { values[at] as f32 };
-            vertices.push([(origin[0] + column as f64 * cell[0]) as f32, y, z]);
+            let z = if missing[at] { 0.0 } else { frame.axis(2, values[at]) };
+            vertices.push([frame.axis(0, origin[0] + column as f64 * cell[0]), y, z]);
         }
     }
     let mut triangles = Vec::new();
@@ -225,13 +232,14 @@ fn scene(grid: &Grid, values: &[f64], missing: &[bool], progress: &Progress) -> 
     let far = (0..2).map(|axis| {
         let count = if axis == 0 { columns } else { rows };
         let end = origin[axis] + count as f64 * cell[axis];
-        (origin[axis].abs().max(end.abs()) as f32, cell[axis])
+        let [first, last] = [origin[axis], end].map(|x| frame.near(axis, x).abs());
+        (first.max(last) as f32, cell[axis])
     });
     for (far, cell) in far {
         let step = f64::from(far.next_up() - far);
         if step > cell / 1024.0 && warnings.is_empty() {
             let what = format!(
-                "coordinates of {far} have steps of {step} in f32, beside cells of {cell}: subtract an origin"
+                "coordinates of {far} have steps of {step} in f32, beside cells of {cell}: give it an origin"
             );
             warnings.push(Warning::new(WarningKind::Precision, what));
         }

@@ -27,7 +27,8 @@ pub use error::{LoadError, Place};
 pub use options::LoadOptions;
 pub use source::Compression;
 
-use crate::{Material, Scene, warning::warn};
+use crate::origin::Frame;
+use crate::{Material, Origin, Scene, warning::warn};
 use progress::Loading;
 use slimkd::Progress;
 use source::Folder;
@@ -237,19 +238,36 @@ fn parse(
             fix: "leave the scene's index out",
         });
     }
-    let mut scene = match format {
-        Format::Ply => ply::parse(bytes, progress),
-        Format::Obj => obj::parse(bytes, folder, progress),
-        Format::Stl => stl::parse(bytes, progress),
-        Format::Off => off::parse(bytes, progress),
-        Format::AsciiGrid => grid::parse_ascii(bytes, progress),
-        Format::Npy => grid::parse_npy(bytes, progress),
-        Format::Mitsuba => mitsuba::parse(bytes, folder, progress),
-        Format::Serialized => mitsuba::serialized::parse(bytes, progress),
-        Format::CityJson => cityjson::parse(bytes, progress),
-        Format::CityJsonSeq => cityjson::parse_sequence(bytes, progress),
-        Format::Gltf | Format::Glb => gltf::parse(format, bytes, folder, options.scene_index, progress),
-    }?;
+    let read = |frame: &Frame| match format {
+        Format::Ply => ply::parse(bytes, frame, progress),
+        Format::Obj => obj::parse(bytes, folder, frame, progress),
+        Format::Stl => stl::parse(bytes, frame, progress),
+        Format::Off => off::parse(bytes, frame, progress),
+        Format::AsciiGrid => grid::parse_ascii(bytes, frame, progress),
+        Format::Npy => grid::parse_npy(bytes, frame, progress),
+        Format::Mitsuba => mitsuba::parse(bytes, folder, frame, progress),
+        Format::Serialized => mitsuba::serialized::parse(bytes, frame, progress),
+        Format::CityJson => cityjson::parse(bytes, frame, progress),
+        Format::CityJsonSeq => cityjson::parse_sequence(bytes, frame, progress),
+        Format::Gltf | Format::Glb => {
+            gltf::parse(format, bytes, folder, options.scene_index, frame, progress)
+        }
+    };
+    let mut frame = Frame::default();
+    if let Origin::At(origin) = options.origin {
+        frame = Frame::new(origin);
+    }
+    let mut scene = read(&frame)?;
+    if options.origin == Origin::Auto {
+        let origin = options.origin.choose(&scene.mesh);
+        if origin != [0.0; 3] {
+            // Far from 0: read again, as exactly as the file says it.
+            frame = Frame::new(origin);
+            drop(scene);
+            scene = read(&frame)?;
+        }
+    }
+    frame.finish(&mut scene);
     if scene.materials.is_empty() {
         scene.materials.push(Material::default());
     }

@@ -9,6 +9,7 @@ use super::{
     polygon::Polygons,
     text::{self, Lines},
 };
+use crate::origin::Frame;
 use crate::{Attribute, Scene, Warning, WarningKind};
 use slimkd::TriangleMesh;
 use std::sync::Arc;
@@ -38,7 +39,7 @@ impl<'a> Content<'a> {
     }
 }
 
-pub(super) fn parse(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
+pub(super) fn parse(bytes: &[u8], frame: &Frame, progress: &Progress) -> Result<Scene, LoadError> {
     let mut lines = Content(Lines::new(bytes), 0);
     let (mut number, mut line) = lines.next()?;
     let (mut has_normals, mut has_colours, mut has_uvs) = (false, false, false);
@@ -97,7 +98,7 @@ pub(super) fn parse(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadErro
             let what = format!("vertex {} has too few numbers", quoted(line));
             invalid(number, what, "write \"x y z\", and what the word before OFF announces")
         };
-        positions.push(text::numbers(words.by_ref()).ok_or_else(short)?);
+        positions.push(text::position(words.by_ref(), frame).ok_or_else(short)?);
         if has_normals {
             normals.push(text::numbers::<3>(words.by_ref()).ok_or_else(short)?);
         }

@@ -4,6 +4,7 @@
 use super::{
     Format, LoadError, Loading, Place, Progress, error::quoted, polygon::Polygons, text, weld::Weld,
 };
+use crate::origin::Frame;
 use crate::{Scene, Warning, WarningKind};
 use slimkd::TriangleMesh;
 use std::sync::Arc;
@@ -19,7 +20,7 @@ fn invalid(place: Place, what: impl Into<String>, fix: &'static str) -> LoadErro
     LoadError::Invalid { format: Format::Stl, place, what: what.into(), fix }
 }
 
-pub(super) fn parse(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
+pub(super) fn parse(bytes: &[u8], frame: &Frame, progress: &Progress) -> Result<Scene, LoadError> {
     let mut announced =
         bytes.get(80..HEAD).map(|raw| u32::from_le_bytes([raw[0], raw[1], raw[2], raw[3]]) as usize);
     let mut warnings = Vec::new();
@@ -38,7 +39,7 @@ pub(super) fn parse(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadErro
     let size = announced.map(|count| HEAD as u64 + TRIANGLE as u64 * count as u64);
     // Binary files may start with "solid" too: the size tells first.
     if size != Some(bytes.len() as u64) && is_text(bytes) {
-        return parse_text(bytes, progress);
+        return parse_text(bytes, frame, progress);
     }
     let (Some(announced), Some(size)) = (announced, size) else {
         let what = format!("{} bytes are too few for a binary STL, and it is no text", bytes.len());
@@ -57,7 +58,7 @@ pub(super) fn parse(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadErro
         }
         let raw = triangle[12..48].as_chunks::<4>().0;
         let value = |k: usize| f32::from_le_bytes(raw[k]);
-        triangles.push([0, 3, 6].map(|k| weld.index([value(k), value(k + 1), value(k + 2)])));
+        triangles.push([0, 3, 6].map(|k| weld.index(frame.put_f32([value(k), value(k + 1), value(k + 2)]))));
     }
     if size < bytes.len() as u64 {
         let what = format!("{} bytes behind the last triangle were ignored", bytes.len() as u64 - size);
@@ -134,7 +135,7 @@ impl<'a> Iterator for Words<'a> {
     }
 }
 
-fn parse_text(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
+fn parse_text(bytes: &[u8], frame: &Frame, progress: &Progress) -> Result<Scene, LoadError> {
     let mut weld = Weld::with_capacity(0);
     let mut triangles = Vec::new();
     let mut polygons = Polygons::default();
@@ -191,7 +192,7 @@ fn parse_text(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
                 }
             }
             b"vertex" => {
-                let position = text::numbers(words.by_ref()).ok_or_else(|| {
+                let position = text::position(words.by_ref(), frame).ok_or_else(|| {
                     let fix = "write \"vertex x y z\"; the file may be cut off";
                     invalid(Place::Line(words.line), "a vertex has no three numbers", fix)
                 })?;

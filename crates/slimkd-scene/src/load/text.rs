@@ -1,5 +1,6 @@
 //! Text formats: lines and numbers.
 
+use crate::origin::Frame;
 use std::borrow::Cow;
 
 /// The lines of a text and their numbers from 1, without white space around them.
@@ -87,6 +88,18 @@ pub(super) fn number<T: std::str::FromStr + From<f32>>(word: &[u8]) -> Option<T>
             bare.starts_with("1.#inf").then(|| infinite.into())
         }
     })
+}
+
+/// The first three words as a position; they are read as f64 where the mesh has an origin.
+pub(super) fn position<'a>(mut words: impl Iterator<Item = &'a [u8]>, frame: &Frame) -> Option<[f32; 3]> {
+    if !frame.is_exact() {
+        return numbers(words);
+    }
+    let mut out = [0.0; 3];
+    for (axis, value) in out.iter_mut().enumerate() {
+        *value = frame.axis(axis, number(words.next()?)?);
+    }
+    Some(out)
 }
 
 /// The first `N` of a line's words as numbers; `None` when there are fewer.

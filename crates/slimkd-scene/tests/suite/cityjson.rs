@@ -1,6 +1,8 @@
 //! City models: solids, surfaces with holes, levels of detail, templates, sequences, far coordinates, and broken files.
 
-use slimkd_scene::{Format, LoadError, Scene, WarningKind, load, load_bytes};
+use slimkd_scene::{
+    Format, LoadError, LoadOptions, Origin, Scene, WarningKind, load, load_bytes, load_bytes_with,
+};
 use std::fs;
 
 /// The corners of a cube of 10 steps, and a smaller square in its upper side.
@@ -30,6 +32,17 @@ fn object(name: &str, geometries: &[String]) -> String {
     )
 }
 
+/// A vertex in the model's coordinates.
+fn world(scene: &Scene, vertex: [f32; 3]) -> [f64; 3] {
+    let origin = scene.mesh.origin();
+    [0, 1, 2].map(|k| origin[k] + f64::from(vertex[k]))
+}
+
+/// The corners of a triangle there.
+fn corners(scene: &Scene, id: u32) -> [[f64; 3]; 3] {
+    scene.mesh.corners(id).map(|vertex| world(scene, vertex))
+}
+
 fn area(scene: &Scene) -> f64 {
     let triangle = |id: u32| {
         let [a, b, c] = scene.mesh.corners(id).map(|p| p.map(f64::from));
@@ -50,7 +63,7 @@ fn solids_of_every_kind() {
         let scene = city(&model(&object("house", &[one]), ""));
         assert_eq!((scene.mesh.len(), scene.mesh.vertices().len()), (12, 8));
         assert_eq!(area(&scene), 150.0);
-        assert_eq!(scene.mesh.vertices()[0], [100.0, 200.0, 0.0]);
+        assert_eq!(world(&scene, scene.mesh.vertices()[0]), [100.0, 200.0, 0.0]);
         assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
         assert_eq!((scene.materials.len(), scene.material(0).name.as_str()), (1, "Building"));
     }
@@ -129,10 +142,10 @@ fn templates_are_drawn_where_their_instances_are() {
     let mirrored = tree(0, "-1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1");
     let scene = city(&model(&format!("{},{}", object("a", &[moved]), object("b", &[mirrored])), templates));
     assert_eq!(scene.mesh.len(), 4);
-    assert_eq!(scene.mesh.corners(0), [[112.0, 205.0, 5.0], [114.0, 205.0, 5.0], [112.0, 207.0, 6.0]]);
-    assert_eq!(scene.mesh.corners(2)[0], [100.0, 200.0, 0.0]);
+    assert_eq!(corners(&scene, 0), [[112.0, 205.0, 5.0], [114.0, 205.0, 5.0], [112.0, 207.0, 6.0]]);
+    assert_eq!(corners(&scene, 2)[0], [100.0, 200.0, 0.0]);
     // Mirrored, two corners change places, so that it faces the same way.
-    assert_eq!(scene.mesh.corners(2)[2], [99.0, 200.0, 0.0]);
+    assert_eq!(corners(&scene, 2)[2], [99.0, 200.0, 0.0]);
     for wrong in [tree(99, "1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1"), tree(0, "").replace(":0,\"b", ":5,\"b")] {
         let error = load_bytes(Format::CityJson, model(&object("a", &[wrong]), templates).as_bytes());
         assert!(matches!(error, Err(LoadError::Invalid { .. })));
@@ -174,8 +187,8 @@ fn sequences_share_their_transform() {
     };
     let lines = [head.clone(), feature("b", 2), String::new(), feature("a", 4)];
     let scene = load_bytes(Format::CityJsonSeq, lines.join("\r\n").as_bytes()).unwrap();
-    assert_eq!(scene.mesh.corners(0), [[101.0, 200.0, 0.0], [101.0, 201.0, 0.0], [101.0, 200.0, 1.0]]);
-    assert_eq!(scene.mesh.corners(1)[0], [102.0, 200.0, 0.0]);
+    assert_eq!(corners(&scene, 0), [[101.0, 200.0, 0.0], [101.0, 201.0, 0.0], [101.0, 200.0, 1.0]]);
+    assert_eq!(corners(&scene, 1)[0], [102.0, 200.0, 0.0]);
     for lines in [vec![feature("a", 1)], vec![String::from("\n")], vec![head, "{\"type\":\"House\"}".into()]]
     {
         assert!(load_bytes(Format::CityJsonSeq, lines.join("\n").as_bytes()).is_err());
@@ -198,7 +211,14 @@ fn far_coordinates_are_f64_until_the_end() {
     let far = model(&object("a", &[geometry("Solid", "1", CUBE)]), "")
         .replace("[100,200,0]", "[85000.05,446000.03,0]")
         .replace("[0.5,0.5,0.5]", "[0.001,0.001,0.001]");
-    let scene = city(&far);
+    let near = city(&far);
+    // With an origin, nothing of the file's steps is lost.
+    assert!(near.rounding < 1e-8 && near.warnings.is_empty(), "{} {:?}", near.rounding, near.warnings);
+    let wanted = [85000.06, 446000.04, 0.01];
+    let found = world(&near, near.mesh.vertices()[6]);
+    assert!((0..3).all(|k| (found[k] - wanted[k]).abs() < 1e-8), "{found:?}");
+    let none = LoadOptions::new().origin(Origin::None);
+    let scene = load_bytes_with(Format::CityJson, far.as_bytes(), &none).unwrap();
     assert_eq!(scene.mesh.vertices()[6], [85000.06_f64 as f32, 446000.04_f64 as f32, 0.01]);
     assert_eq!(scene.warnings[0].kind, WarningKind::Precision);
     let bare = model(&object("a", &[geometry("Solid", "1", CUBE)]), "")

@@ -1,6 +1,6 @@
 //! OFF files and grids of heights.
 
-use slimkd_scene::{Format, LoadError, WarningKind, load_bytes};
+use slimkd_scene::{Format, LoadError, LoadOptions, Origin, WarningKind, load_bytes, load_bytes_with};
 
 #[test]
 fn off_in_every_dress() {
@@ -55,7 +55,9 @@ fn ascii_grids() {
         [10.0, 20.0, 4.0]
     );
     let far = GRID.replace("xllcorner 10", "XLLCORNER 528980");
-    let warnings = load_bytes(Format::AsciiGrid, far.as_bytes()).unwrap().warnings;
+    assert!(load_bytes(Format::AsciiGrid, far.as_bytes()).unwrap().warnings.is_empty());
+    let none = LoadOptions::new().origin(Origin::None);
+    let warnings = load_bytes_with(Format::AsciiGrid, far.as_bytes(), &none).unwrap().warnings;
     assert_eq!(warnings[0].kind, WarningKind::Precision);
     let wrong = [
         GRID.replace("5 6", "5"),

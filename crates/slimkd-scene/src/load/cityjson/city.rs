@@ -10,6 +10,7 @@ use crate::{
         Format, LoadError, Loading, Place, Progress, error::quoted, polygon::triangulate,
         source::growth_limit, warn,
     },
+    origin::Frame,
 };
 use glam::{DMat4, DVec3, Vec3};
 use slimkd::TriangleMesh;
@@ -354,7 +355,7 @@ impl<'p> City<'p> {
     }
 
     /// The model as a scene. This is the one place where coordinates become f32.
-    pub(super) fn finish(self) -> Result<Scene, LoadError> {
+    pub(super) fn finish(self, frame: &Frame) -> Result<Scene, LoadError> {
         let mut warnings = Vec::new();
         let Counts { geometries, lower, lines, unknown, textures, surfaces, slivers, doubtful } = self.counts;
         let mut tell = |kind: WarningKind, count: u64, total: u64, what: String| {
@@ -382,16 +383,17 @@ impl<'p> City<'p> {
         tell(WarningKind::Invalid, slivers, surfaces, what);
         let what = "surfaces cross themselves, and their triangles are a guess".to_owned();
         tell(WarningKind::Polygon, doubtful, surfaces, what);
-        let far = self.positions.iter().flatten().fold(0.0f64, |far, x| far.max(x.abs())) as f32;
+        let near = |p: &[f64; 3]| [0, 1, 2].map(|axis| frame.near(axis, p[axis]).abs());
+        let far = self.positions.iter().flat_map(near).fold(0.0, f64::max) as f32;
         let step = f64::from(far.next_up() - far);
         if step > self.resolution && step.is_finite() {
             let what = format!(
-                "coordinates of {far} have steps of {step} in f32, beside {} in the file: subtract an origin",
+                "coordinates of {far} have steps of {step} in f32, beside {} in the file: give it an origin",
                 self.resolution
             );
             warn(&mut warnings, Warning::new(WarningKind::Precision, what));
         }
-        let vertices = self.positions.into_iter().map(|position| position.map(|x| x as f32)).collect();
+        let vertices = self.positions.into_iter().map(|position| frame.put(position)).collect();
         Ok(Scene {
             mesh: Arc::new(TriangleMesh::new(vertices, self.triangles)?),
             material_ids: if self.materials.len() > 1 { self.material_ids } else { Vec::new() },

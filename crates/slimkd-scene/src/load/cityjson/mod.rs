@@ -14,7 +14,7 @@ use super::{
     source::{FREE_BYTES, MAX_GROWTH},
     text::Lines,
 };
-use crate::Scene;
+use crate::{Scene, origin::Frame};
 use city::City;
 use json::{Root, Transform};
 
@@ -40,7 +40,7 @@ fn read(format: Format, text: &[u8], line: u64) -> Result<Root<'_>, LoadError> {
 }
 
 /// A whole model in one text.
-pub(super) fn parse(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
+pub(super) fn parse(bytes: &[u8], frame: &Frame, progress: &Progress) -> Result<Scene, LoadError> {
     let format = Format::CityJson;
     let root = read(format, bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), 1)?;
     if root.kind != "CityJSON" {
@@ -51,11 +51,11 @@ pub(super) fn parse(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadErro
     }
     let mut city = City::new(format, bytes.len(), progress);
     city.add(&root, &root, 1)?;
-    city.finish()
+    city.finish(frame)
 }
 
 /// A sequence: a first object with what all share, then a feature a line.
-pub(super) fn parse_sequence(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
+pub(super) fn parse_sequence(bytes: &[u8], frame: &Frame, progress: &Progress) -> Result<Scene, LoadError> {
     let format = Format::CityJsonSeq;
     let mut city = City::new(format, bytes.len(), progress);
     let mut shared: Option<Root<'_>> = None;
@@ -86,7 +86,7 @@ pub(super) fn parse_sequence(bytes: &[u8], progress: &Progress) -> Result<Scene,
     if shared.is_none() {
         return Err(invalid(format, 1, "there is no line of type \"CityJSON\"", "write it first"));
     }
-    city.finish()
+    city.finish(frame)
 }
 
 impl Transform {

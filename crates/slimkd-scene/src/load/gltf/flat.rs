@@ -10,6 +10,7 @@ use super::{
 use crate::{
     Attribute, Scene, Warning, WarningKind,
     load::{LoadError, Loading, Place, Progress, source::growth_limit, warn},
+    origin::Frame,
 };
 use glam::{DAffine2, DMat3, DMat4, DVec2, DVec3};
 use slimkd::TriangleMesh;
@@ -57,6 +58,7 @@ struct Run {
 /// The flattened scene.
 pub(super) struct Flat<'a> {
     reader: &'a Reader<'a>,
+    frame: &'a Frame,
     /// Bytes that the mesh may still take.
     left: u64,
     positions: Vec<[f32; 3]>,
@@ -93,9 +95,10 @@ impl Mode {
 }
 
 impl<'a> Flat<'a> {
-    pub(super) fn new(reader: &'a Reader<'a>) -> Self {
+    pub(super) fn new(reader: &'a Reader<'a>, frame: &'a Frame) -> Self {
         Self {
             reader,
+            frame,
             left: growth_limit(reader.input),
             positions: Vec::new(),
             normals: Vec::new(),
@@ -241,9 +244,10 @@ impl<'a> Flat<'a> {
             } else {
                 moved.iter_mut().for_each(|p| *p = world.transform_point3(*p));
             }
-            self.positions.extend(moved.into_iter().map(|p| p.as_vec3().to_array()));
+            self.positions.extend(moved.into_iter().map(|p| self.frame.put(p.to_array())));
         } else {
-            let to_world = |p: [f64; 3]| world.transform_point3(DVec3::from(p)).as_vec3().to_array();
+            let frame = self.frame;
+            let to_world = |p: [f64; 3]| frame.put(world.transform_point3(DVec3::from(p)).to_array());
             let positions = vertices.read(Semantic::Position, to_world)?;
             self.positions.extend(positions.unwrap_or_default());
         }

@@ -27,6 +27,7 @@ use super::{
     textures::Textures,
     warn,
 };
+use crate::origin::Frame;
 use crate::{Scene, UpAxis, Warning, WarningKind};
 use container::Buffers;
 use extensions::Known;
@@ -43,6 +44,7 @@ pub(super) fn parse(
     bytes: &[u8],
     folder: Folder<'_>,
     chosen: Option<usize>,
+    frame: &Frame,
     progress: &Progress,
 ) -> Result<Scene, LoadError> {
     let (json, bin) = container::split(format, bytes)?;
@@ -62,9 +64,9 @@ pub(super) fn parse(
     scene.materials = reader.materials(&mut textures, &mut scene.warnings);
     scene.textures = textures.list;
     for placed in &placements.list {
-        reader.view_of_node(&root.nodes[placed.node], &placed.world, &mut scene);
+        reader.view_of_node(&root.nodes[placed.node], &placed.world, frame, &mut scene);
     }
-    let mut flat = Flat::new(&reader);
+    let mut flat = Flat::new(&reader, frame);
     // Weighed first, so that what is too much is refused before any of it takes memory.
     flat.weigh(&placements.list)?;
     let poses = reader.poses(&placements.list)?;

@@ -1,14 +1,15 @@
 //! glTF cameras and lights.
 
 use super::{json::Node, reader::Reader};
-use crate::{Camera, Light, Scene, Warning, WarningKind, load::warn};
+use crate::{Camera, Light, Scene, Warning, WarningKind, load::warn, origin::Frame};
 use glam::{DMat4, DVec3, Vec3};
 
 impl Reader<'_> {
     /// Adds the camera and the light of a node whose transform to world space is `world`.
-    pub(super) fn view_of_node(&self, node: &Node, world: &DMat4, scene: &mut Scene) {
+    pub(super) fn view_of_node(&self, node: &Node, world: &DMat4, frame: &Frame, scene: &mut Scene) {
         // Both look along −z (glTF 2.0, section 3.10.1; KHR_lights_punctual).
-        let position = world.transform_point3(DVec3::ZERO).as_vec3();
+        let position = world.transform_point3(DVec3::ZERO).to_array();
+        let position = DVec3::from(frame.near_all(position)).as_vec3();
         let forward = world.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z).as_vec3();
         if let Some(camera) = node.camera {
             let up = world.transform_vector3(DVec3::Y).normalize_or(DVec3::Y).as_vec3();

@@ -24,6 +24,7 @@ use super::{
 use crate::{
     Scene, Warning, WarningKind,
     merge::{Gather, Placement},
+    origin::Frame,
 };
 use glam::{DMat4, DVec3};
 use materials::Materials;
@@ -41,12 +42,18 @@ const ELEMENT: u64 = 32;
 /// Shapes within `merge` shapes.
 const MAX_DEPTH: usize = 16;
 
-pub(super) fn parse(bytes: &[u8], folder: Folder<'_>, progress: &Progress) -> Result<Scene, LoadError> {
+pub(super) fn parse(
+    bytes: &[u8],
+    folder: Folder<'_>,
+    frame: &Frame,
+    progress: &Progress,
+) -> Result<Scene, LoadError> {
     let document = Document::read(bytes, folder)?;
     let mut reader = Reader {
         input: document.input,
         materials: Materials::new(Textures::new(folder)),
         document: &document,
+        frame,
         progress,
         gathered: Gather::default(),
         material_ids: Vec::new(),
@@ -99,6 +106,7 @@ type File = (String, String, usize);
 
 struct Reader<'a> {
     document: &'a Document<'a>,
+    frame: &'a Frame,
     progress: &'a Progress,
     gathered: Gather,
     material_ids: Vec<u32>,
@@ -178,11 +186,23 @@ impl Reader<'_> {
         let part = match plugin {
             "rectangle" => Rc::new(shapes::rectangle()?),
             "cube" => Rc::new(shapes::cube()?),
-            "disk" => Rc::new(shapes::disc()?),
-            "sphere" => Rc::new(shapes::sphere(point("center", DVec3::ZERO)?, number("radius", 1.0)?)?),
+            "disk" => Rc::new(shapes::disc(&self.frame.around([0.0; 3]))?),
+            "sphere" => {
+                let centre = point("center", DVec3::ZERO)?;
+                Rc::new(shapes::sphere(
+                    centre,
+                    number("radius", 1.0)?,
+                    &self.frame.around(centre.to_array()),
+                )?)
+            }
             "cylinder" => {
                 let (from, to) = (point("p0", DVec3::ZERO)?, point("p1", DVec3::Z)?);
-                Rc::new(shapes::cylinder(from, to, number("radius", 1.0)?)?)
+                Rc::new(shapes::cylinder(
+                    from,
+                    to,
+                    number("radius", 1.0)?,
+                    &self.frame.around(from.to_array()),
+                )?)
             }
             "ply" | "obj" | "serialized" => self.mesh(element, depth > 0)?,
             _ => {
@@ -196,7 +216,7 @@ impl Reader<'_> {
         self.spend(VERTEX * part.mesh.vertices().len() as u64 + TRIANGLE * part.mesh.len() as u64)?;
         // Mitsuba's textures begin at their upper edge; only its OBJ loader turns the coordinates round.
         let from_above = !document.is(element, "flip_tex_coords", plugin == "obj");
-        let placement = Placement::new(world)
+        let placement = Placement::new(world, self.frame)
             .flipped(document.is(element, "flip_normals", false))
             .uvs_from_above(from_above)
             .faceted(document.is(element, "face_normals", false));
@@ -257,11 +277,11 @@ impl Reader<'_> {
                 bytes
             }
         };
-        let parsed = match plugin.as_str() {
-            "ply" => ply::parse(&bytes, self.progress),
-            "obj" => obj::parse(&bytes, Folder::NONE, self.progress),
-            _ => serialized::part(&bytes, *index, self.progress),
-        };
+        let parsed = self.frame.part(|frame| match plugin.as_str() {
+            "ply" => ply::parse(&bytes, frame, self.progress),
+            "obj" => obj::parse(&bytes, Folder::NONE, frame, self.progress),
+            _ => serialized::part(&bytes, *index, frame, self.progress),
+        });
         let mut part = parsed.map_err(|error| match error {
             LoadError::Cancelled => error,
             other => wrong(&other),

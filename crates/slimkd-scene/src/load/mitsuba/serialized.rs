@@ -7,6 +7,7 @@ use crate::{
     Attribute, Scene,
     load::{Format, LoadError, Loading, Place, Progress, source::growth_limit},
     merge::Gather,
+    origin::Frame,
 };
 use flate2::bufread::ZlibDecoder;
 use slimkd::TriangleMesh;
@@ -37,27 +38,32 @@ fn u64_at(bytes: &[u8], at: usize) -> Option<u64> {
 }
 
 /// All meshes of a file as one, in their order.
-pub(in crate::load) fn parse(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
+pub(in crate::load) fn parse(bytes: &[u8], frame: &Frame, progress: &Progress) -> Result<Scene, LoadError> {
     let list = List::of(bytes)?;
     let mut left = growth_limit(bytes.len() as u64);
     if list.count == 1 {
-        return mesh(bytes, 0, &mut left, progress);
+        return mesh(bytes, 0, &mut left, frame, progress);
     }
     let mut whole = Gather::default();
     for index in 0..list.count {
-        whole.append(&mesh(bytes, list.place(bytes, index)?, &mut left, progress)?, None);
+        whole.append(&mesh(bytes, list.place(bytes, index)?, &mut left, frame, progress)?, None);
     }
     Ok(whole.finish()?)
 }
 
 /// One mesh of a file.
-pub(super) fn part(bytes: &[u8], index: usize, progress: &Progress) -> Result<Scene, LoadError> {
+pub(super) fn part(
+    bytes: &[u8],
+    index: usize,
+    frame: &Frame,
+    progress: &Progress,
+) -> Result<Scene, LoadError> {
     let list = List::of(bytes)?;
     if index >= list.count {
         let what = format!("there is no mesh {index}: the file has {}", list.count);
         return Err(invalid(bytes.len(), what, "fix shape_index; the first is 0"));
     }
-    mesh(bytes, list.place(bytes, index)?, &mut growth_limit(bytes.len() as u64), progress)
+    mesh(bytes, list.place(bytes, index)?, &mut growth_limit(bytes.len() as u64), frame, progress)
 }
 
 /// The list of the meshes' places.
@@ -143,6 +149,20 @@ impl Content<'_> {
         Ok(self.take(1, 8)?.first_chunk().map_or(0, |&raw| u64::from_le_bytes(raw)))
     }
 
+    /// Reads positions.
+    fn positions(&mut self, rows: u64, is_double: bool, frame: &Frame) -> Result<Vec<[f32; 3]>, LoadError> {
+        if is_double {
+            let bytes = self.take(rows, 24)?;
+            let position = |raw: &[u8; 24]| [0, 1, 2].map(|k| f64::from_le_bytes(raw.as_chunks::<8>().0[k]));
+            return Ok(bytes.as_chunks::<24>().0.iter().map(|raw| frame.put(position(raw))).collect());
+        }
+        let mut positions = self.rows::<3>(rows, false)?;
+        if frame.is_exact() {
+            positions.iter_mut().for_each(|position| *position = frame.put_f32(*position));
+        }
+        Ok(positions)
+    }
+
     /// Reads rows of `N` coordinates.
     fn rows<const N: usize>(&mut self, rows: u64, is_double: bool) -> Result<Vec<[f32; N]>, LoadError> {
         let size = if is_double { 8 } else { 4 };
@@ -157,7 +177,13 @@ impl Content<'_> {
     }
 }
 
-fn mesh(bytes: &[u8], place: usize, left: &mut u64, progress: &Progress) -> Result<Scene, LoadError> {
+fn mesh(
+    bytes: &[u8],
+    place: usize,
+    left: &mut u64,
+    frame: &Frame,
+    progress: &Progress,
+) -> Result<Scene, LoadError> {
     let (magic, version) = (u16_at(bytes, place), u16_at(bytes, place.saturating_add(2)));
     let (Some(MAGIC), Some(version @ (3 | 4))) = (magic, version) else {
         return Err(invalid(
@@ -184,7 +210,7 @@ fn mesh(bytes: &[u8], place: usize, left: &mut u64, progress: &Progress) -> Resu
         return Err(content.cut_off(&format!("{vertices} vertices and {triangles} triangles are too many")));
     }
     let is_double = flags & IS_DOUBLE != 0;
-    let positions = content.rows::<3>(vertices, is_double)?;
+    let positions = content.positions(vertices, is_double, frame)?;
     let normals = if flags & HAS_NORMALS != 0 { Some(content.rows(vertices, is_double)?) } else { None };
     let uvs = if flags & HAS_UVS != 0 { Some(content.rows(vertices, is_double)?) } else { None };
     let colours = if flags & HAS_COLOURS != 0 { Some(content.rows::<3>(vertices, is_double)?) } else { None };

@@ -1,6 +1,6 @@
 //! Shapes that a scene describes by numbers, as meshes.
 
-use crate::{Attribute, Scene};
+use crate::{Attribute, Scene, origin::Frame};
 use glam::DVec3;
 use slimkd::{MeshError, TriangleMesh};
 use std::{f64::consts::TAU, sync::Arc};
@@ -13,14 +13,18 @@ fn scene(
     normals: Vec<DVec3>,
     uvs: Vec<[f32; 2]>,
     triangles: Vec<[u32; 3]>,
+    frame: &Frame,
 ) -> Result<Scene, MeshError> {
     let single = |points: Vec<DVec3>| points.into_iter().map(|p| p.as_vec3().to_array()).collect::<Vec<_>>();
-    Ok(Scene {
-        mesh: Arc::new(TriangleMesh::new(single(vertices), triangles)?),
+    let vertices = vertices.into_iter().map(|p| frame.put(p.to_array())).collect();
+    let mut scene = Scene {
+        mesh: Arc::new(TriangleMesh::new(vertices, triangles)?),
         normals: Some(Attribute { values: single(normals), indices: None }),
         uvs: Some(Attribute { values: uvs, indices: None }),
         ..Default::default()
-    })
+    };
+    frame.finish(&mut scene);
+    Ok(scene)
 }
 
 /// A circle's point.
@@ -42,7 +46,7 @@ pub(super) fn rectangle() -> Result<Scene, MeshError> {
     let uvs = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     let corners =
         uvs.iter().map(|&[u, v]| DVec3::new(f64::from(2.0 * u - 1.0), f64::from(2.0 * v - 1.0), 0.0));
-    scene(corners.collect(), vec![DVec3::Z; 4], uvs, vec![[0, 1, 2], [2, 3, 0]])
+    scene(corners.collect(), vec![DVec3::Z; 4], uvs, vec![[0, 1, 2], [2, 3, 0]], &Frame::default())
 }
 
 /// The cube from −1 to 1, seen from outside.
@@ -66,11 +70,11 @@ pub(super) fn cube() -> Result<Scene, MeshError> {
             triangles.extend([[first, first + 1, first + 2], [first + 2, first + 3, first]]);
         }
     }
-    scene(vertices, normals, uvs, triangles)
+    scene(vertices, normals, uvs, triangles, &Frame::default())
 }
 
 /// A sphere, seen from outside, with its poles along z.
-pub(super) fn sphere(centre: DVec3, radius: f64) -> Result<Scene, MeshError> {
+pub(super) fn sphere(centre: DVec3, radius: f64, frame: &Frame) -> Result<Scene, MeshError> {
     let rings = AROUND / 2;
     let (mut normals, mut uvs, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
     // The seam has its vertices twice, for the texture coordinates.
@@ -96,11 +100,11 @@ pub(super) fn sphere(centre: DVec3, radius: f64) -> Result<Scene, MeshError> {
         }
     }
     let vertices = normals.iter().map(|&normal| centre + radius * normal).collect();
-    scene(vertices, normals, uvs, triangles)
+    scene(vertices, normals, uvs, triangles, frame)
 }
 
 /// A cylinder without its ends, seen from outside.
-pub(super) fn cylinder(from: DVec3, to: DVec3, radius: f64) -> Result<Scene, MeshError> {
+pub(super) fn cylinder(from: DVec3, to: DVec3, radius: f64, frame: &Frame) -> Result<Scene, MeshError> {
     let axis = (to - from).try_normalize().unwrap_or(DVec3::Z);
     let (side, up) = axis.any_orthonormal_pair();
     let (mut vertices, mut normals, mut uvs, mut triangles) =
@@ -118,11 +122,11 @@ pub(super) fn cylinder(from: DVec3, to: DVec3, radius: f64) -> Result<Scene, Mes
         let a = 2 * k;
         triangles.extend([[a, a + 2, a + 3], [a, a + 3, a + 1]]);
     }
-    scene(vertices, normals, uvs, triangles)
+    scene(vertices, normals, uvs, triangles, frame)
 }
 
 /// The disc of radius 1 in z = 0, seen from +z.
-pub(super) fn disc() -> Result<Scene, MeshError> {
+pub(super) fn disc(frame: &Frame) -> Result<Scene, MeshError> {
     let mut vertices = vec![DVec3::ZERO];
     let mut uvs = vec![[0.0, 0.0]];
     for k in 0..=AROUND {
@@ -132,5 +136,5 @@ pub(super) fn disc() -> Result<Scene, MeshError> {
         uvs.push([1.0, k as f32 / AROUND as f32]);
     }
     let triangles = (1..=AROUND).map(|k| [0, k, k + 1]).collect();
-    scene(vertices.clone(), vec![DVec3::Z; vertices.len()], uvs, triangles)
+    scene(vertices.clone(), vec![DVec3::Z; vertices.len()], uvs, triangles, frame)
 }

@@ -14,7 +14,8 @@ impl Reader<'_> {
         match document.at(element).plugin() {
             "point" => {
                 let position = document.point(element, "position")?.unwrap_or(DVec3::ZERO);
-                let position = world.transform_point3(position).as_vec3();
+                let position =
+                    DVec3::from(self.frame.near_all(world.transform_point3(position).to_array())).as_vec3();
                 self.scene.lights.push(Light::Point { position, intensity: colour("intensity")? });
             }
             "directional" => {
@@ -61,7 +62,8 @@ impl Reader<'_> {
             "diagonal" => half / (1.0 + aspect * aspect).sqrt(),
             _ => half / aspect,
         };
-        let (eye, forward) = (world.transform_point3(DVec3::ZERO), world.transform_vector3(DVec3::Z));
+        let eye = DVec3::from(self.frame.near_all(world.transform_point3(DVec3::ZERO).to_array()));
+        let forward = world.transform_vector3(DVec3::Z);
         let up = world.transform_vector3(DVec3::Y).as_vec3();
         // Scenes do not say what is up, but the first sensor mostly stands upright.
         let axes = [UpAxis::X, UpAxis::Y, UpAxis::Z];

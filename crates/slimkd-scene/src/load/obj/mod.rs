@@ -14,6 +14,7 @@ use super::{
     textures::Textures,
     warn,
 };
+use crate::origin::Frame;
 use crate::{Attribute, Scene, Warning, WarningKind};
 use mtl::Library;
 use slimkd::TriangleMesh;
@@ -68,7 +69,12 @@ struct Obj {
     unknown: Option<(u64, String)>,
 }
 
-pub(super) fn parse(bytes: &[u8], folder: Folder<'_>, progress: &Progress) -> Result<Scene, LoadError> {
+pub(super) fn parse(
+    bytes: &[u8],
+    folder: Folder<'_>,
+    frame: &Frame,
+    progress: &Progress,
+) -> Result<Scene, LoadError> {
     let mut obj = Obj::default();
     let mut ids: HashMap<Option<String>, u32> = HashMap::new();
     let (mut name, mut id) = (None, None);
@@ -86,7 +92,8 @@ pub(super) fn parse(bytes: &[u8], folder: Folder<'_>, progress: &Progress) -> Re
         let mut words = text::words(&numbers[..end]);
         match keyword {
             b"v" => {
-                obj.positions.push(coordinates(words.by_ref(), number, &line)?);
+                let position = text::position(words.by_ref(), frame);
+                obj.positions.push(position.ok_or_else(|| too_few(number, &line))?);
                 obj.colour(words);
             }
             b"vn" => obj.normals.push(coordinates(words, number, &line)?),
@@ -142,10 +149,12 @@ fn coordinates<'a, const N: usize>(
     number: u64,
     line: &[u8],
 ) -> Result<[f32; N], LoadError> {
-    text::numbers(words).ok_or_else(|| {
-        let what = format!("{} has too few numbers, or something else among them", quoted(line));
-        invalid(number, what, "write \"v x y z\", \"vn x y z\" or \"vt u v\"; the file may be cut off")
-    })
+    text::numbers(words).ok_or_else(|| too_few(number, line))
+}
+
+fn too_few(number: u64, line: &[u8]) -> LoadError {
+    let what = format!("{} has too few numbers, or something else among them", quoted(line));
+    invalid(number, what, "write \"v x y z\", \"vn x y z\" or \"vt u v\"; the file may be cut off")
 }
 
 impl Obj {

@@ -6,6 +6,7 @@ mod uniform;
 mod values;
 
 use super::{Format, LoadError, Loading, Place, Progress, polygon::Polygons};
+use crate::origin::Frame;
 use crate::{Attribute, Scene, Warning, WarningKind};
 use header::{Element, Encoding, Header, Number};
 use roles::{SLOTS, Slots, VertexColumns, colour_byte, colour_slot, corner_list, corner_uvs};
@@ -22,24 +23,24 @@ fn invalid(place: Place, what: impl Into<String>, fix: &'static str) -> LoadErro
     LoadError::Invalid { format: Format::Ply, place, what: what.into(), fix }
 }
 
-pub(super) fn parse(bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
+pub(super) fn parse(bytes: &[u8], frame: &Frame, progress: &Progress) -> Result<Scene, LoadError> {
     let header = Header::parse(bytes)?;
     match header.encoding {
-        Encoding::Text => parse_text(&header, bytes, progress),
+        Encoding::Text => parse_text(&header, bytes, frame, progress),
         encoding => {
             let mut values = Binary { bytes, at: header.bytes, big: encoding.is_big() };
             let fast =
                 |body: &mut Body<'_>, values: &mut Binary<'_>| body.read_uniform(values, encoding, progress);
-            Body::new(&header)?.read(&mut values, bytes, progress, fast)
+            Body::new(&header, frame)?.read(&mut values, bytes, progress, fast)
         }
     }
 }
 
 /// Text, whose lines may have more numbers than the header says: then they are read line by line.
-fn parse_text(header: &Header, bytes: &[u8], progress: &Progress) -> Result<Scene, LoadError> {
+fn parse_text(header: &Header, bytes: &[u8], frame: &Frame, progress: &Progress) -> Result<Scene, LoadError> {
     let read = |by_lines: bool| {
         let mut values = Text::new(bytes, header.bytes, header.lines + 1, by_lines);
-        let scene = Body::new(header)?.read(&mut values, bytes, progress, |_, _| Ok(false));
+        let scene = Body::new(header, frame)?.read(&mut values, bytes, progress, |_, _| Ok(false));
         Ok::<_, LoadError>((scene, values))
     };
     let (scene, values) = read(false)?;
@@ -65,6 +66,7 @@ fn parse_text(header: &Header, bytes: &[u8], progress: &Progress) -> Result<Scen
 /// The mesh while it is read.
 struct Body<'h> {
     elements: &'h [Element],
+    frame: &'h Frame,
     encoding: Encoding,
     /// The element that is being read.
     current: usize,
@@ -89,7 +91,7 @@ struct Body<'h> {
 }
 
 impl<'h> Body<'h> {
-    fn new(header: &'h Header) -> Result<Self, LoadError> {
+    fn new(header: &'h Header, frame: &'h Frame) -> Result<Self, LoadError> {
         let named = |name: &str| header.elements.iter().position(|element| element.name == name);
         let vertex = named("vertex").ok_or_else(|| {
             invalid(Place::Line(header.lines), "the header has no vertex element", "add the vertices")
@@ -127,6 +129,7 @@ impl<'h> Body<'h> {
         };
         Ok(Self {
             elements: &header.elements,
+            frame,
             encoding: header.encoding,
             current: 0,
             vertex,
@@ -230,7 +233,7 @@ impl<'h> Body<'h> {
         let data = rest.get(..length).ok_or_else(|| cut_off(Place::Byte(values.bytes.len() as u64)))?;
         values.at += length;
         if self.current == self.vertex {
-            uniform::vertices(data, element, encoding, &self.slots, &mut self.columns, progress)?;
+            uniform::vertices(data, element, encoding, &self.slots, &mut self.columns, self.frame, progress)?;
         }
         Ok(true)
     }
@@ -242,6 +245,9 @@ impl<'h> Body<'h> {
             match *slot {
                 Some(slot @ 8..) => {
                     row[slot] = f32::from(colour_byte(values.next(property.number)?, property.number));
+                }
+                Some(axis @ 0..3) if self.frame.is_exact() => {
+                    row[axis] = self.frame.axis(axis, values.next(values.exact(property.number))?);
                 }
                 Some(slot) => row[slot] = values.next(property.number)? as f32,
                 None => skip(values, property.length, property.number)?,

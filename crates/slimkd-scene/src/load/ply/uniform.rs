@@ -6,6 +6,7 @@ use super::{
     values::decode,
 };
 use crate::load::{LoadError, Loading, Progress};
+use crate::origin::Frame;
 use rayon::prelude::*;
 
 /// Entries that a thread takes at once: some 200 KB of the usual 13 bytes a face.
@@ -18,6 +19,7 @@ pub(super) fn vertices(
     encoding: Encoding,
     slots: &Slots,
     columns: &mut VertexColumns,
+    frame: &Frame,
     progress: &Progress,
 ) -> Result<(), LoadError> {
     let stride = element.properties.iter().map(|property| property.number.size()).sum::<usize>();
@@ -34,12 +36,15 @@ pub(super) fn vertices(
         stride: usize,
         fields: [Option<(usize, Number)>; N],
         big: bool,
+        frame: Option<&Frame>,
         progress: &Progress,
     ) -> Result<Vec<[f32; N]>, LoadError> {
-        let plain = fields
-            .iter()
-            .enumerate()
-            .all(|(k, field)| !big && *field == fields[0].map(|(first, _)| (first + 4 * k, Number::F32)));
+        let frame = frame.filter(|frame| frame.is_exact());
+        let plain = frame.is_none()
+            && fields
+                .iter()
+                .enumerate()
+                .all(|(k, field)| !big && *field == fields[0].map(|(first, _)| (first + 4 * k, Number::F32)));
         let mut out = vec![[0.0; N]; data.len() / stride];
         out.par_chunks_mut(BLOCK).zip(data.par_chunks(BLOCK * stride)).try_for_each(|(out, data)| {
             progress.reach(0.0)?;
@@ -51,8 +56,9 @@ pub(super) fn vertices(
                         }
                     }
                     _ => {
-                        for (out, field) in out.iter_mut().zip(fields) {
-                            *out = field.map_or(0.0, |(at, number)| decode(&row[at..], number, big) as f32);
+                        for (k, (out, field)) in out.iter_mut().zip(fields).enumerate() {
+                            let value = field.map_or(0.0, |(at, number)| decode(&row[at..], number, big));
+                            *out = frame.map_or(value as f32, |frame| frame.axis(k, value));
                         }
                     }
                 }
@@ -63,12 +69,12 @@ pub(super) fn vertices(
     }
     let big = encoding.is_big();
     let [x, y, z, nx, ny, nz, u, v, r, g, b, a] = fields;
-    columns.positions = column(data, stride, [x, y, z], big, progress)?;
+    columns.positions = column(data, stride, [x, y, z], big, Some(frame), progress)?;
     if columns.has_normals {
-        columns.normals = column(data, stride, [nx, ny, nz], big, progress)?;
+        columns.normals = column(data, stride, [nx, ny, nz], big, None, progress)?;
     }
     if columns.has_uvs {
-        columns.uvs = column(data, stride, [u, v], big, progress)?;
+        columns.uvs = column(data, stride, [u, v], big, None, progress)?;
     }
     if columns.has_colours {
         columns.colours = vec![[255; 4]; data.len() / stride];

@@ -10,6 +10,10 @@ use crate::load::{LoadError, Place, error::quoted, text};
 /// 64-bit ones that some programs write.
 pub(super) trait Values {
     fn next(&mut self, number: Number) -> Result<f64, LoadError>;
+    /// What to read a number as, so that it is as exact as the file says it.
+    fn exact(&self, number: Number) -> Number {
+        number
+    }
     /// Where the next number is.
     fn place(&self) -> Place;
     /// Bytes from the start.
@@ -99,6 +103,10 @@ impl<'a> Text<'a> {
 }
 
 impl Values for Text<'_> {
+    fn exact(&self, number: Number) -> Number {
+        if number == Number::F32 { Number::F64 } else { number }
+    }
+
     fn next(&mut self, number: Number) -> Result<f64, LoadError> {
         let mut rest = &self.bytes[self.at..];
         while let [first, tail @ ..] = rest
