@@ -1,6 +1,9 @@
 //! Scene files: one target for each parser, and one for all of them with their compressions.
 
-use slimkd_scene::{Attribute, Compression, FileKind, Format, Scene, load_bytes, write_ply};
+use slimkd_scene::{
+    Attribute, Compression, FileKind, Format, LoadOptions, Origin, Scene, load_bytes, load_bytes_with,
+    write_ply,
+};
 
 /// Formats that [`scene`]'s first byte chooses from.
 pub const FORMATS: [Format; 12] = [
@@ -176,12 +179,16 @@ fn check(scene: &Scene) {
     if scene.mesh.len() < 4096 && !scene.mesh.is_empty() {
         let mut file = Vec::new();
         write_ply(&scene.mesh, &mut file).unwrap();
-        let again = load_bytes(Format::Ply, &file).unwrap();
+        let options = LoadOptions::default().origin(Origin::At(scene.mesh.origin()));
+        let again = load_bytes_with(Format::Ply, &file, &options).unwrap();
         assert_eq!(again.mesh.triangles(), scene.mesh.triangles());
         let bits = |scene: &Scene| {
             scene.mesh.vertices().as_flattened().iter().map(|x| x.to_bits()).collect::<Vec<_>>()
         };
-        assert_eq!(bits(&again), bits(scene));
+        // Far from 0, the sum of a vertex and the origin is rounded once in the file.
+        if scene.mesh.origin() == [0.0; 3] {
+            assert_eq!(bits(&again), bits(scene));
+        }
     }
 }
 
