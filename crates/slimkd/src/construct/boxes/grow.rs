@@ -91,6 +91,14 @@ fn span(references: &[Reference]) -> (Box4, Box4) {
     (bounds, centers)
 }
 
+/// Both sides of a node that is divided, and room to cut triangles.
+#[derive(Default)]
+struct Sides {
+    clipper: Clipper,
+    left: Vec<Reference>,
+    right: Vec<Reference>,
+}
+
 /// How a node is split.
 enum Split {
     Leaf,
@@ -164,10 +172,9 @@ impl Shared<'_> {
         bounds: &Box4,
         centers: &Box4,
         spare: usize,
-        clipper: &mut Clipper,
-        left: &mut Vec<Reference>,
-        right: &mut Vec<Reference>,
+        sides: &mut Sides,
     ) -> Option<(usize, usize)> {
+        let Sides { clipper, left, right } = sides;
         let mut split = self.choose(references, bounds, centers, spare);
         loop {
             if matches!(split, Split::Leaf) {
@@ -202,10 +209,10 @@ impl Shared<'_> {
             return Ok(Grown::Part(self.sequential(references, spare)?));
         }
         let (bounds, centers) = span(&references);
-        let (mut left, mut right) = (Vec::new(), Vec::new());
-        let mut clipper = Clipper::default();
-        let spares = self.halves(&references, &bounds, &centers, spare, &mut clipper, &mut left, &mut right);
+        let mut sides = Sides::default();
+        let spares = self.halves(&references, &bounds, &centers, spare, &mut sides);
         let Some((a, b)) = spares else { return Ok(Grown::Part(self.sequential(references, spare)?)) };
+        let Sides { left, right, .. } = sides;
         self.job.memory.take((left.capacity() + right.capacity()) * size_of::<Reference>())?;
         self.job.memory.give(references.capacity() * size_of::<Reference>());
         drop(references);
@@ -225,8 +232,7 @@ impl Shared<'_> {
         }
         let taken = references.capacity() * size_of::<Reference>();
         let mut plan = BoxPlan::default();
-        let (mut left, mut right) = (Vec::new(), Vec::new());
-        let mut clipper = Clipper::default();
+        let mut sides = Sides::default();
         let mut pending = vec![Pending { start: 0, spare, parent: None }];
         while let Some(Pending { start, spare, parent }) = pending.pop() {
             let at = plan.nodes.len();
@@ -236,7 +242,7 @@ impl Shared<'_> {
             }
             let own = &references[start..];
             let (bounds, centers) = span(own);
-            match self.halves(own, &bounds, &centers, spare, &mut clipper, &mut left, &mut right) {
+            match self.halves(own, &bounds, &centers, spare, &mut sides) {
                 None => {
                     let first = plan.references.len() as u32;
                     for reference in own {
@@ -248,9 +254,9 @@ impl Shared<'_> {
                 Some((a, b)) => {
                     push(&mut plan.nodes, BoxNode::inner(bounds.aabb()))?;
                     references.truncate(start);
-                    references.extend_from_slice(&right);
+                    references.extend_from_slice(&sides.right);
                     let middle = references.len();
-                    references.extend_from_slice(&left);
+                    references.extend_from_slice(&sides.left);
                     push(&mut pending, Pending { start, spare: b, parent: Some(at) })?;
                     push(&mut pending, Pending { start: middle, spare: a, parent: None })?;
                 }

@@ -31,9 +31,8 @@ pub(crate) fn validate(wide: &Wide, triangles: usize) -> Result<u32, Damage> {
         }
         for axis in 0..3 {
             let step = f32::from_bits(node.steps[axis] & STEP_BITS);
-            if !(node.low[axis].is_finite() && step.is_normal() && step > 0.0)
-                || !(0.0..=2.0).contains(&node.low[axis])
-            {
+            let is_sound = step.is_normal() && step > 0.0 && (0.0..=2.0).contains(&node.low[axis]);
+            if !is_sound {
                 return damaged(format!("node {at} has no planes"));
             }
         }
