@@ -89,7 +89,8 @@ fn advice(error: &BuildError, options: &BuildOptions) -> String {
     match error {
         BuildError::TreeTooLarge { .. } => {
             let dense = match (options.layout, &options.hoisting) {
-                (Layout::Dense, _) => "",
+                // A wide tree that does not fit was tried as a dense one already.
+                (Layout::Dense | Layout::Wide, _) => "",
                 (_, None) => ", or take --layout dense",
                 (_, Some(_)) => ", or take --layout dense and a preset without hoisting",
             };

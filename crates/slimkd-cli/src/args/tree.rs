@@ -84,7 +84,7 @@ struct ShapeArgs {
     #[arg(long, value_name = "exact|box|N", value_parser = clipping, allow_negative_numbers = true)]
     clipping: Option<Clipping>,
     /// How the tree is written: 8-byte nodes with 4-byte or also 2-byte references; the dense layout; or wide nodes of 16 child boxes,
-    /// fastest for one ray at a time, on the CPU alone. Each of the last two holds no T-references: a tree that has some is
+    /// fast for one ray at a time, on the CPU alone. Each of the last two holds no T-references: a tree that has some is
     /// written as two-byte, and hoisting options exclude them. The preset's unless given
     #[arg(long, value_name = "four-byte|two-byte|dense|wide", value_parser = layout)]
     layout: Option<Layout>,

