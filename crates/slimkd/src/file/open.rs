@@ -5,7 +5,7 @@ use super::sections::{DENSE, INDICES_2BYTE, INDICES_4BYTE, NODES, WIDE_LEAVES, W
 use super::shape::{self, Shape};
 use super::table::{Entry, Kind, Table};
 use super::{FileError, damaged, options};
-use crate::geometry::{Aabb, Hit, Ray};
+use crate::geometry::{Aabb, Ray};
 use crate::job::Progress;
 use crate::layout::checked::{CheckedMesh, Guard};
 use crate::layout::dense::CheckedDense;
@@ -13,10 +13,10 @@ use crate::layout::plain::CheckedPlain;
 use crate::layout::wide::CheckedWide;
 use crate::layout::{Nodes, Planes, WideNode, WideNodes};
 use crate::options::BuildOptions;
-use crate::query::{BatchJob, Tracer, Walk, tracer};
+use crate::query::{Walk, tracer};
 use crate::traverse::{
-    Conditions, ExactQuery, NearestPoint, PreparedRay, Search, Sink, Traced, search_tree, search_wide,
-    traverse, traverse_exactly, traverse_wide_exactly, walk_in_f64,
+    ExactQuery, PreparedRay, Search, Sink, Traced, search_tree, search_wide, traverse, traverse_exactly,
+    traverse_wide_exactly, walk_in_f64,
 };
 use crate::tree::KdTree;
 use std::ops::Range;
@@ -34,7 +34,7 @@ const DEEPEST: u32 = 1 << 16;
 /// proves the whole file and makes a [`KdTree`], which traces faster. An open tree traces batches ray by ray, on as many threads
 /// as [`Batch::threads`](crate::Batch::threads) says.
 ///
-/// Queries are in the trait [`Tracer`]. The file holds no attributes: keep them beside it, and find the vertices of a hit by
+/// Queries are in the trait [`Tracer`](crate::Tracer). The file holds no attributes: keep them beside it, and find the vertices of a hit by
 /// [`OpenTree::triangle`].
 ///
 /// ```
@@ -338,67 +338,7 @@ impl Walk for Opened<'_> {
     }
 }
 
-impl<B: AsRef<[u8]> + Send + Sync> Tracer for OpenTree<B> {
-    fn as_dyn(&self) -> &(dyn Tracer + '_) {
-        self
-    }
-
-    fn bounds(&self) -> Aabb {
-        self.opened().bounds()
-    }
-
-    fn origin(&self) -> [f64; 3] {
-        self.tree.origin
-    }
-
-    fn corners(&self, triangle: u32) -> Option<[[f32; 3]; 3]> {
-        self.opened().corners(triangle)
-    }
-
-    fn closest_with(&self, ray: &Ray, conditions: Conditions<'_>) -> Option<Hit> {
-        self.opened().closest_with(ray, conditions)
-    }
-
-    fn any_with(&self, ray: &Ray, conditions: Conditions<'_>) -> bool {
-        self.opened().any_with(ray, conditions)
-    }
-
-    fn first_with(&self, ray: &Ray, most: usize, conditions: Conditions<'_>, hits: &mut Vec<Hit>) {
-        self.opened().first_with(ray, most, conditions, hits);
-    }
-
-    fn exact_with(&self, query: &mut ExactQuery<'_>) {
-        self.opened().exact_with(query);
-    }
-
-    fn nearest_with(
-        &self,
-        point: [f32; 3],
-        max_distance: f32,
-        conditions: Conditions<'_>,
-    ) -> Option<NearestPoint> {
-        self.opened().nearest_with(point, max_distance, conditions)
-    }
-
-    fn several_with(
-        &self,
-        point: [f32; 3],
-        max_distance: f32,
-        most: usize,
-        conditions: Conditions<'_>,
-        found: &mut Vec<NearestPoint>,
-    ) {
-        self.opened().several_with(point, max_distance, most, conditions, found);
-    }
-
-    fn closest_batch(&self, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {
-        self.opened().closest_batch(job, hits);
-    }
-
-    fn any_batch(&self, job: BatchJob<'_>, hits: &mut [bool]) {
-        self.opened().any_batch(job, hits);
-    }
-}
+tracer!([B: AsRef<[u8]> + Send + Sync] OpenTree<B>: |tree| tree.opened());
 
 /// The bytes of a section that is at most `limit` long; its checksum is checked.
 fn small(all: &[u8], entry: &Entry, limit: usize) -> Result<Vec<u8>, FileError> {

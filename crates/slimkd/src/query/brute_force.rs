@@ -1,9 +1,9 @@
 //! The oracle: every query by testing every triangle.
 
-use super::{BatchJob, Walk, tracer};
-use crate::geometry::{Aabb, Hit, Ray, TriangleMesh};
+use super::{Walk, tracer};
+use crate::geometry::{Aabb, Ray, TriangleMesh};
 use crate::layout::Planes;
-use crate::traverse::{Conditions, ExactQuery, NearestPoint, PreparedRay, Search, Sink};
+use crate::traverse::{ExactQuery, PreparedRay, Search, Sink};
 
 /// Answers queries without a tree, in O(triangles). Every tree must give the answers that this gives, to the last bit.
 ///

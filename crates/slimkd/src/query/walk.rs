@@ -94,49 +94,77 @@ pub(crate) trait Walk: Send + Sync {
 }
 
 /// Makes a [`Walk`] a [`Tracer`](super::Tracer). This is a macro and not a blanket implementation, so that each tree's walks are
-/// compiled once, in this crate, and not again in every crate that calls them.
+/// compiled once, in this crate, and not again in every crate that calls them. For the same reason a generic type has a tracer that is not
+/// generic do its work: `tracer!([B: …] OpenTree<B>: |tree| tree.opened())`.
 macro_rules! tracer {
-    ($type:ty) => {
-        impl $crate::query::Tracer for $type {
+    ([$($generics:tt)*] $type:ty: |$tree:ident| $tracer:expr) => {
+        $crate::query::tracer! {
+            [$($generics)*] $type: |$tree| $tracer;
+            bounds origin corners closest_with any_with first_with exact_with nearest_with several_with closest_batch any_batch
+        }
+    };
+    // What answers, and its names of the trait's methods.
+    ([$($generics:tt)*] $type:ty: |$tree:ident| $tracer:expr;
+        $bounds:ident $origin:ident $corners:ident $closest:ident $any:ident $first:ident $exact:ident $nearest:ident $several:ident
+        $closest_batch:ident $any_batch:ident) => {
+        impl<$($generics)*> $crate::query::Tracer for $type {
             fn as_dyn(&self) -> &(dyn $crate::query::Tracer + '_) {
                 self
             }
 
-            fn bounds(&self) -> Aabb {
-                self.extent()
+            fn bounds(&self) -> $crate::geometry::Aabb {
+                let $tree = self;
+                $tracer.$bounds()
             }
 
             fn origin(&self) -> [f64; 3] {
-                self.place()
+                let $tree = self;
+                $tracer.$origin()
             }
 
             fn corners(&self, triangle: u32) -> Option<[[f32; 3]; 3]> {
-                self.triangle(triangle)
+                let $tree = self;
+                $tracer.$corners(triangle)
             }
 
-            fn closest_with(&self, ray: &Ray, conditions: Conditions<'_>) -> Option<Hit> {
-                self.ask_closest(ray, conditions)
+            fn closest_with(
+                &self,
+                ray: &$crate::geometry::Ray,
+                conditions: $crate::traverse::Conditions<'_>,
+            ) -> Option<$crate::geometry::Hit> {
+                let $tree = self;
+                $tracer.$closest(ray, conditions)
             }
 
-            fn any_with(&self, ray: &Ray, conditions: Conditions<'_>) -> bool {
-                self.ask_any(ray, conditions)
+            fn any_with(&self, ray: &$crate::geometry::Ray, conditions: $crate::traverse::Conditions<'_>) -> bool {
+                let $tree = self;
+                $tracer.$any(ray, conditions)
             }
 
-            fn first_with(&self, ray: &Ray, most: usize, conditions: Conditions<'_>, hits: &mut Vec<Hit>) {
-                self.ask_first(ray, most, conditions, hits);
+            fn first_with(
+                &self,
+                ray: &$crate::geometry::Ray,
+                most: usize,
+                conditions: $crate::traverse::Conditions<'_>,
+                hits: &mut Vec<$crate::geometry::Hit>,
+            ) {
+                let $tree = self;
+                $tracer.$first(ray, most, conditions, hits);
             }
 
             fn exact_with(&self, query: &mut $crate::traverse::ExactQuery<'_>) {
-                self.walk_exact(query);
+                let $tree = self;
+                $tracer.$exact(query);
             }
 
             fn nearest_with(
                 &self,
                 point: [f32; 3],
                 max_distance: f32,
-                conditions: Conditions<'_>,
-            ) -> Option<NearestPoint> {
-                self.ask_nearest(point, max_distance, conditions)
+                conditions: $crate::traverse::Conditions<'_>,
+            ) -> Option<$crate::traverse::NearestPoint> {
+                let $tree = self;
+                $tracer.$nearest(point, max_distance, conditions)
             }
 
             fn several_with(
@@ -144,19 +172,28 @@ macro_rules! tracer {
                 point: [f32; 3],
                 max_distance: f32,
                 most: usize,
-                conditions: Conditions<'_>,
-                found: &mut Vec<NearestPoint>,
+                conditions: $crate::traverse::Conditions<'_>,
+                found: &mut Vec<$crate::traverse::NearestPoint>,
             ) {
-                self.ask_several(point, max_distance, most, conditions, found);
+                let $tree = self;
+                $tracer.$several(point, max_distance, most, conditions, found);
             }
 
-            fn closest_batch(&self, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {
-                self.closest_hits(job, hits);
+            fn closest_batch(&self, job: $crate::query::BatchJob<'_>, hits: &mut [Option<$crate::geometry::Hit>]) {
+                let $tree = self;
+                $tracer.$closest_batch(job, hits);
             }
 
-            fn any_batch(&self, job: BatchJob<'_>, hits: &mut [bool]) {
-                self.any_hits(job, hits);
+            fn any_batch(&self, job: $crate::query::BatchJob<'_>, hits: &mut [bool]) {
+                let $tree = self;
+                $tracer.$any_batch(job, hits);
             }
+        }
+    };
+    ($type:ty) => {
+        $crate::query::tracer! {
+            [] $type: |tree| tree;
+            extent place triangle ask_closest ask_any ask_first walk_exact ask_nearest ask_several closest_hits any_hits
         }
     };
 }

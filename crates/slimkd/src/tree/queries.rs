@@ -5,9 +5,9 @@ use crate::geometry::{Aabb, Hit, Ray};
 use crate::layout::{LaneNodes, Nodes as _, with_nodes};
 use crate::query::{BatchJob, Walk, tracer};
 use crate::traverse::{
-    AnyHits, ClosestHits, Conditions, ExactQuery, NearestPoint, PreparedRay, RayConditions, Search, Sink,
-    Stream, Traced, WideAnyHits, WideClosestHits, WideWalk, finish_strays, search_tree, search_wide,
-    traverse, traverse_exactly, traverse_wide_exactly,
+    AnyHits, ClosestHits, ExactQuery, PreparedRay, RayConditions, Search, Sink, Stream, Traced, WideAnyHits,
+    WideClosestHits, WideWalk, finish_strays, search_tree, search_wide, traverse, traverse_exactly,
+    traverse_wide_exactly,
 };
 
 /// Batches below this go ray by ray: a stream is not worth setting up.

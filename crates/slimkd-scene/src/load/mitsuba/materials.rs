@@ -48,6 +48,7 @@ const METALS: [(&str, [f32; 3]); 6] = [
 
 /// The materials of a scene while it is read.
 pub(super) struct Materials<'a> {
+    document: &'a Document<'a>,
     pub(super) list: Vec<Material>,
     pub(super) textures: Textures<'a>,
     /// By BSDF, and the light that the shape gives off.
@@ -56,10 +57,17 @@ pub(super) struct Materials<'a> {
     converted: HashMap<u32, Material>,
     /// How many materials have something that was replaced, by what that is.
     replaced: BTreeMap<String, u64>,
+    /// Of textures.
+    warnings: Vec<Warning>,
 }
 
 fn share(value: f32) -> f32 {
     if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 }
+}
+
+/// What has no BSDF that is known.
+fn grey() -> Material {
+    Material { diffuse: Vec3::splat(0.5), ..Default::default() }
 }
 
 /// What is mirrored at normal incidence, by the index of refraction (Fresnel).
@@ -75,23 +83,21 @@ fn shininess(alpha: f32) -> f32 {
 }
 
 impl<'a> Materials<'a> {
-    pub(super) fn new(textures: Textures<'a>) -> Self {
+    pub(super) fn new(document: &'a Document<'a>, textures: Textures<'a>) -> Self {
         Self {
+            document,
             list: Vec::new(),
             textures,
             known: HashMap::new(),
             converted: HashMap::new(),
             replaced: BTreeMap::new(),
+            warnings: Vec::new(),
         }
     }
 
     /// The material of a shape.
-    pub(super) fn of_shape(
-        &mut self,
-        document: &Document<'_>,
-        shape: u32,
-        warnings: &mut Vec<Warning>,
-    ) -> Result<u32, LoadError> {
+    pub(super) fn of_shape(&mut self, shape: u32) -> Result<u32, LoadError> {
+        let document = self.document;
         let (mut bsdf, mut emitter) = (None, None);
         for (child, _) in document.children(shape) {
             let Some(target) = document.resolve(child) else { continue };
@@ -105,8 +111,8 @@ impl<'a> Materials<'a> {
             return Ok(known);
         }
         let mut material = match bsdf {
-            Some(bsdf) => self.of_bsdf(document, bsdf, 0, warnings)?,
-            None => Material { diffuse: Vec3::splat(0.5), ..Default::default() },
+            Some(bsdf) => self.of_bsdf(bsdf, 0)?,
+            None => grey(),
         };
         if let Some(emitter) = emitter {
             let radiance = document.colour(emitter, "radiance")?.unwrap_or(Vec3::ONE);
@@ -130,13 +136,8 @@ impl<'a> Materials<'a> {
     }
 
     /// A colour or texture property.
-    fn colour(
-        &mut self,
-        document: &Document<'_>,
-        owner: u32,
-        name: &str,
-        warnings: &mut Vec<Warning>,
-    ) -> Result<Option<(Vec3, Option<u32>)>, LoadError> {
+    fn colour(&mut self, owner: u32, name: &str) -> Result<Option<(Vec3, Option<u32>)>, LoadError> {
+        let document = self.document;
         let Some((property, _)) = document.property(owner, name) else { return Ok(None) };
         let Some(target) = document.resolve(property) else { return Ok(None) };
         let element = document.at(target);
@@ -148,7 +149,7 @@ impl<'a> Materials<'a> {
             ("texture", "bitmap", Some(file)) => {
                 let place = document.find(file);
                 let folder = self.textures.folder;
-                let texture = self.textures.get(&place, warnings, || folder.read(&place));
+                let texture = self.textures.get(&place, &mut self.warnings, || folder.read(&place));
                 Ok(Some((if texture.is_some() { Vec3::ONE } else { Vec3::splat(0.5) }, texture)))
             }
             ("texture", "checkerboard", _) => {
@@ -166,66 +167,59 @@ impl<'a> Materials<'a> {
         }
     }
 
-    fn ior(document: &Document<'_>, bsdf: u32, name: &str, missing: f32) -> f32 {
-        let Some(text) = document.text(bsdf, name) else { return missing };
+    /// An index of refraction, by its number or by the medium's name.
+    fn ior(&self, bsdf: u32, name: &str) -> Option<f32> {
+        let text = self.document.text(bsdf, name)?;
         let named = INDICES.iter().find(|(known, _)| known.eq_ignore_ascii_case(text.trim()));
         let index = named.map(|&(_, index)| index).or_else(|| text.trim().parse().ok());
-        index.filter(|index: &f32| index.is_finite() && *index > 0.0).unwrap_or(missing)
+        index.filter(|index: &f32| index.is_finite() && *index > 0.0)
     }
 
-    /// Converts a BSDF, once.
-    fn of_bsdf(
-        &mut self,
-        document: &Document<'_>,
-        bsdf: u32,
-        depth: usize,
-        warnings: &mut Vec<Warning>,
-    ) -> Result<Material, LoadError> {
+    /// The material of a BSDF that lies within `depth` others; each is converted once.
+    fn of_bsdf(&mut self, bsdf: u32, depth: usize) -> Result<Material, LoadError> {
         if let Some(known) = self.converted.get(&bsdf) {
             return Ok(known.clone());
         }
-        let material = self.convert(document, bsdf, depth, warnings)?;
+        let plugin = self.document.at(bsdf).plugin();
+        let covers = matches!(
+            plugin,
+            "twosided" | "mask" | "bumpmap" | "normalmap" | "blendbsdf" | "coating" | "roughcoating"
+        );
+        let material = if covers { self.covered(bsdf, depth)? } else { self.plain(bsdf)? };
         self.converted.insert(bsdf, material.clone());
         Ok(material)
     }
 
-    fn convert(
-        &mut self,
-        document: &Document<'_>,
-        bsdf: u32,
-        depth: usize,
-        warnings: &mut Vec<Warning>,
-    ) -> Result<Material, LoadError> {
+    /// The material of a BSDF that covers another one: the other one's.
+    fn covered(&mut self, bsdf: u32, depth: usize) -> Result<Material, LoadError> {
+        let document = self.document;
         let plugin = document.at(bsdf).plugin();
-        let grey = Material { diffuse: Vec3::splat(0.5), ..Default::default() };
-        if matches!(
-            plugin,
-            "twosided" | "mask" | "bumpmap" | "normalmap" | "blendbsdf" | "coating" | "roughcoating"
-        ) {
-            if plugin != "twosided" {
-                self.note(&format!("BSDFs of type {plugin:?}, shown as what they cover"));
-            }
-            let mut within = document.children(bsdf).filter_map(|(child, _)| document.resolve(child));
-            let within = within.find(|&child| &*document.at(child).tag == "bsdf");
-            return match within {
-                Some(within) if depth < MAX_DEPTH => self.of_bsdf(document, within, depth + 1, warnings),
-                _ => Ok(grey),
-            };
+        if plugin != "twosided" {
+            self.note(&format!("BSDFs of type {plugin:?}, shown as what they cover"));
         }
+        let mut within = document.children(bsdf).filter_map(|(child, _)| document.resolve(child));
+        let within = within.find(|&child| &*document.at(child).tag == "bsdf");
+        match within {
+            Some(within) if depth < MAX_DEPTH => self.of_bsdf(within, depth + 1),
+            _ => Ok(grey()),
+        }
+    }
+
+    /// The material of a BSDF that covers no other.
+    fn plain(&mut self, bsdf: u32) -> Result<Material, LoadError> {
+        let (document, grey) = (self.document, grey());
+        let plugin = document.at(bsdf).plugin();
         let (diffuse, texture) = {
             let name = match plugin {
                 "principled" | "principledthin" => "base_color",
                 "plastic" | "roughplastic" | "phong" | "ward" => "diffuse_reflectance",
                 _ => "reflectance",
             };
-            let (colour, texture) =
-                self.colour(document, bsdf, name, warnings)?.unwrap_or((Vec3::splat(0.5), None));
+            let (colour, texture) = self.colour(bsdf, name)?.unwrap_or((Vec3::splat(0.5), None));
             (colour, texture)
         };
         let tint = match document.property(bsdf, "specular_reflectance") {
-            Some(_) => {
-                self.colour(document, bsdf, "specular_reflectance", warnings)?.map_or(Vec3::ONE, |(c, _)| c)
-            }
+            Some(_) => self.colour(bsdf, "specular_reflectance")?.map_or(Vec3::ONE, |(colour, _)| colour),
             None => Vec3::ONE,
         };
         let is_rough = plugin.starts_with("rough");
@@ -236,8 +230,8 @@ impl<'a> Materials<'a> {
         };
         // A GGX width is the square of a roughness.
         let smooth = 1.0 - alpha.sqrt();
-        let inside = |missing| Self::ior(document, bsdf, "int_ior", missing);
-        let outside = Self::ior(document, bsdf, "ext_ior", 1.000_28);
+        let (named, outside) = (self.ior(bsdf, "int_ior"), self.ior(bsdf, "ext_ior").unwrap_or(1.000_28));
+        let inside = |missing| named.unwrap_or(missing);
         Ok(match plugin {
             "diffuse" => Material { diffuse, texture, ..grey },
             "roughdiffuse" | "difftrans" => {
@@ -325,8 +319,9 @@ impl<'a> Materials<'a> {
         })
     }
 
-    /// Warns of what was replaced.
-    pub(super) fn warn(&self, warnings: &mut Vec<Warning>) {
+    /// Warns of textures, and of what was replaced.
+    pub(super) fn warn(&mut self, warnings: &mut Vec<Warning>) {
+        std::mem::take(&mut self.warnings).into_iter().for_each(|warning| warn(warnings, warning));
         let total = self.list.len() as u64;
         for (what, &count) in &self.replaced {
             let warning = Warning::counted(

@@ -51,7 +51,7 @@ pub(super) fn parse(
     let document = Document::read(bytes, folder)?;
     let mut reader = Reader {
         input: document.input,
-        materials: Materials::new(Textures::new(folder)),
+        materials: Materials::new(&document, Textures::new(folder)),
         document: &document,
         frame,
         progress,
@@ -221,7 +221,7 @@ impl Reader<'_> {
             .uvs_from_above(from_above)
             .faceted(document.is(element, "face_normals", false));
         self.gathered.append(&part, Some(&placement));
-        let material = self.materials.of_shape(document, element, &mut self.scene.warnings)?;
+        let material = self.materials.of_shape(element)?;
         self.material_ids.resize(self.gathered.len(), material);
         Ok(())
     }
@@ -300,7 +300,7 @@ impl Reader<'_> {
         Ok(part)
     }
 
-    fn finish(self) -> Result<Scene, LoadError> {
+    fn finish(mut self) -> Result<Scene, LoadError> {
         let mut scene = self.scene;
         let Counts { shapes, round, left_out, lights, lights_left_out, cameras, cameras_left_out } =
             self.counts;
