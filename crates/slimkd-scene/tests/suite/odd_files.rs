@@ -1,6 +1,10 @@
 //! Files that are odd but valid, or broken in a way that other programs' users met: each stands for its kind.
 
+use serde_json::Value;
+use slimkd::{BuildOptions, KdTree, Ray, RayF64, Tracer};
 use slimkd_scene::{Format, Scene, WarningKind, load_bytes};
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
 fn load(format: Format, bytes: impl AsRef<[u8]>) -> Scene {
     load_bytes(format, bytes.as_ref()).unwrap_or_else(|error| panic!("{error}"))
@@ -245,39 +249,47 @@ fn other_files_are_read_from_the_folder_and_below_alone() {
     }
 }
 
-/// The cases that other programs answered wrongly, where they are at hand: triangles, corners, areas and colours.
+/// The cases that other programs answered wrongly, where they are at hand, with everything that is expected of them.
 #[test]
 fn the_shared_cases_come_out_right() {
-    use slimkd_scene::load;
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/cases");
     if !folder.is_dir() {
         eprintln!("skipped: {folder:?} is not there");
         return;
     }
-    let cases = [
-        ("concave-polygon.obj", 15),
-        ("triangle-strips.ply", 3),
-        ("cr-line-ends.ply", 1),
-        ("byte-order-mark.ply", 1),
-        ("stl-end-loop.stl", 1),
-        ("comment-ends-in-backslash.obj", 1),
-        ("utm-wall.obj", 2),
-        ("l-shaped-roof.obj", 20),
-        ("one-line.stl", 2),
-        ("comment-without-space.obj", 2),
-        ("vertex-colours.ply", 2),
-    ];
-    for (name, triangles) in cases {
-        let scene = load(folder.join(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
-        assert_eq!(scene.mesh.len(), triangles, "{name}");
-        match name {
-            "concave-polygon.obj" => assert!((area(&scene) - 0.6667).abs() < 1e-4),
-            "triangle-strips.ply" => assert_eq!(scene.mesh.triangles(), [[0, 1, 2], [1, 3, 2], [3, 1, 0]]),
-            "vertex-colours.ply" => {
-                let (red, blue) = ([255, 0, 0, 255], [0, 0, 255, 255]);
-                assert_eq!(scene.colours.unwrap().values, [red, red, blue, blue]);
+    let expected = std::fs::read(folder.join("expected.json")).unwrap();
+    let expected: BTreeMap<String, Value> = serde_json::from_slice(&expected).unwrap();
+    for (name, expected) in &expected {
+        let scene = slimkd_scene::load(folder.join(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let tree = KdTree::build(Arc::clone(&scene.mesh), &BuildOptions::default()).unwrap();
+        for (key, expected) in expected.as_object().unwrap() {
+            match key.as_str() {
+                "triangles" => assert_eq!(Some(scene.mesh.len() as u64), expected.as_u64(), "{name}"),
+                "area" => assert!((area(&scene) - expected.as_f64().unwrap()).abs() < 1e-4, "{name}"),
+                "corners" => assert_eq!(&serde_json::json!(scene.mesh.triangles()), expected, "{name}"),
+                "vertex_colours" => {
+                    let colours = scene.colours.as_ref().unwrap().values.iter();
+                    let opaque: Vec<_> = colours.map(|[r, g, b, a]| ([r, g, b], *a == 255)).collect();
+                    assert!(opaque.iter().all(|colour| colour.1), "{name}");
+                    let colours: Vec<_> = opaque.iter().map(|colour| colour.0).collect();
+                    assert_eq!(&serde_json::json!(colours), expected, "{name}");
+                }
+                // An origin, a direction, and t or null.
+                "rays" | "rays_f64" => {
+                    for ray in expected.as_array().unwrap() {
+                        let vector = |at: usize| [0, 1, 2].map(|k| ray[at][k].as_f64().unwrap());
+                        let (start, direction) = (vector(0), vector(1));
+                        let t = if key == "rays" {
+                            let (start, direction) = (start.map(|x| x as f32), direction.map(|x| x as f32));
+                            tree.closest(&Ray::new(start, direction)).map(|hit| f64::from(hit.t))
+                        } else {
+                            tree.closest_f64(&RayF64::new(start, direction)).map(|hit| hit.t)
+                        };
+                        assert_eq!(t, ray[2].as_f64(), "{name}: {ray}");
+                    }
+                }
+                other => panic!("{name}: {other} is not checked"),
             }
-            _ => {}
         }
     }
 }
