@@ -3,8 +3,8 @@
 use crate::statistics::RenderStatistics;
 use crate::tone::Development;
 use glam::Vec3;
-use slimkd_util::{png, whole_file};
-use std::io::{BufWriter, Seek, Write};
+use slimkd_util::{exr, png, whole_file};
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -148,7 +148,9 @@ impl Film {
         let mut to = BufWriter::new(file.as_file_mut());
         match format {
             FileFormat::Png => self.write_png(&mut to, development, depth),
-            FileFormat::Exr => self.write_exr(&mut to),
+            FileFormat::Exr => {
+                exr::write(&mut to, [self.width, self.height], &self.pixels).map_err(|e| e.to_string())
+            }
         }
         .and_then(|()| to.flush().map_err(|e| e.to_string()))
         .map_err(fail)?;
@@ -173,20 +175,6 @@ impl Film {
             }
         }
         .map_err(|e| e.to_string())
-    }
-
-    /// Encodes an OpenEXR picture, 32-bit floats, losslessly compressed.
-    fn write_exr(&self, to: &mut (impl Write + Seek)) -> Result<(), String> {
-        use exr::prelude::*;
-        let size = (self.width as usize, self.height as usize);
-        let width = size.0;
-        let pixel = |at: Vec2<usize>| {
-            let [r, g, b] = self.pixels[at.y() * width + at.x()];
-            (r, g, b)
-        };
-        let channels = SpecificChannels::rgb(pixel);
-        let layer = Layer::new(size, LayerAttributes::default(), Encoding::SMALL_LOSSLESS, channels);
-        Image::from_layer(layer).write().to_buffered(to).map_err(|e| e.to_string())
     }
 }
 

@@ -1,6 +1,7 @@
 //! Small tools that several crates of slimkd share, each of them here once.
 
 pub mod alloc;
+pub mod exr;
 pub mod png;
 mod required;
 mod rng;

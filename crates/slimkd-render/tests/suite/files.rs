@@ -58,6 +58,25 @@ fn exr_round_trip_is_exact() {
     assert_eq!(read.layer_data.channel_data.pixels, film.pixels());
 }
 
+/// More lines than are compressed together, some of noise, which cannot be.
+#[test]
+fn exr_of_several_blocks_is_read_by_others() {
+    let mut rng = slimkd_util::Rng::new(7);
+    let pixels: Vec<[f32; 3]> = (0..5 * 41)
+        .map(|k| if k < 5 * 16 { [(); 3].map(|()| rng.bits() as f32) } else { [k as f32, 0.5, -1.0] })
+        .collect();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("noise.exr");
+    let mut file = std::fs::File::create(&path).unwrap();
+    slimkd_util::exr::write(&mut file, [5, 41], &pixels).unwrap();
+    let read = exr::prelude::read_first_rgba_layer_from_file(
+        &path,
+        |size, _| vec![[0.0_f32; 3]; size.width() * size.height()],
+        |pixels, at, (r, g, b, _): (f32, f32, f32, f32)| pixels[at.y() * 5 + at.x()] = [r, g, b],
+    );
+    assert_eq!(read.unwrap().layer_data.channel_data.pixels, pixels);
+}
+
 #[test]
 fn refusals_say_what_to_do() {
     let film = film();
