@@ -98,7 +98,7 @@ impl Check {
         let hint = if *coarse {
             let farthest = found.minimum.iter().chain(&found.maximum).fold(0f32, |far, x| far.max(x.abs()));
             format!(
-                ": coordinates of {farthest:e} with f32 steps of {}, edges of {:.3e}: georeferenced? subtract an origin",
+                ": coordinates of {farthest:e} with f32 steps of {}, edges of {:.3e}: georeferenced, or parts far apart? see --origin",
                 found.step, found.mean_edge
             )
         } else {

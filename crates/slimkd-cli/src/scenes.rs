@@ -6,6 +6,7 @@ use crate::interrupt;
 use crate::saved::{self, is_saved};
 use crate::trees::Origin;
 use crate::ui::{Ui, grouped};
+use rayon::prelude::*;
 use slimkd::{KdTree, Progress};
 use slimkd_scene::procedural::{self, BuiltIn};
 use slimkd_scene::{FileKind, LoadError, LoadOptions, Scene, Warning, WarningKind};
@@ -40,11 +41,12 @@ impl Loaded {
 
 /// Loads a file, or generates the built-in scene of that name. `./kitchen` is always a file.
 pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded, Failure> {
-    if details.scene_index.is_some() && (is_saved(path) || find(path).is_some()) {
+    if details.files.scene_index.is_some() && (is_saved(path) || find(path).is_some()) {
         let what = "only scene files have a choice of --scene-index; leave it out";
         return Err(Failure::Usage(format!("{}: {what}", path.display())));
     }
-    if details.origin.is_some() && (find(path).is_some() || (is_saved(path) && details.mesh.is_none())) {
+    if details.files.origin.is_some() && (find(path).is_some() || (is_saved(path) && details.mesh.is_none()))
+    {
         let what = "only scene files have a choice of --origin; leave it out";
         return Err(Failure::Usage(format!("{}: {what}", path.display())));
     }
@@ -66,9 +68,9 @@ pub(crate) fn load(path: &Path, details: &SceneDetails, ui: Ui) -> Result<Loaded
     }
     let (progress, started) = (Progress::new(), Instant::now());
     let mut options = LoadOptions::new();
-    options.scene_index = details.scene_index;
-    options.allow_outside = details.allow_outside;
-    options.origin = details.origin.unwrap_or_default();
+    options.scene_index = details.files.scene_index;
+    options.allow_outside = details.files.allow_outside;
+    options.origin = details.files.origin.unwrap_or_default();
     let scene = ui.watch("load", &progress, || slimkd_scene::load_with(path, &options, &progress)).map_err(
         |error| match error {
             LoadError::Cancelled => Failure::Interrupted,
@@ -123,14 +125,26 @@ pub(crate) fn load_all(
         seconds += next.seconds;
         scenes.push(next.scene);
     }
+    let told = scenes.iter().map(|scene| scene.warnings.len()).sum();
     let scene = Scene::merge(scenes).map_err(|error| Failure::at(path, error))?;
-    Ok(Loaded { scene, place: path.display().to_string(), seconds, tree: None })
+    let place = format!("{} and {} more", path.display(), more.len());
+    ui.warn_of(&place, scene.warnings.get(told..).unwrap_or_default())?;
+    Ok(Loaded { scene, place, seconds, tree: None })
 }
 
 /// The warning of triangles that can never be hit, where there are any.
 pub(crate) fn degenerate(count: u64, total: u64) -> Option<Warning> {
     let what = "triangles are collinear or not finite and can never be hit";
     (count > 0).then(|| Warning::counted(WarningKind::Degenerate, count, total, what))
+}
+
+/// Refuses a scene in which nothing can ever be hit, and says how many triangles cannot be; for scenes of which no tree tells that.
+pub(crate) fn check_triangles(loaded: &Loaded, ui: Ui) -> Result<(), Failure> {
+    let mesh = &loaded.scene.mesh;
+    let count = (0..mesh.len() as u32).into_par_iter().filter(|&id| mesh.is_degenerate(id)).count();
+    let (count, total) = (count as u64, mesh.len() as u64);
+    usable(&loaded.place, count, total)?;
+    ui.warn_of(&loaded.place, degenerate(count, total).as_slice())
 }
 
 /// Refuses a scene in which nothing can ever be hit.

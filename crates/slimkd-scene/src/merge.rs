@@ -1,16 +1,19 @@
 //! Several scenes as one.
 
-use crate::{Attribute, Scene, origin::Frame};
+use crate::{Attribute, Scene, Warning, WarningKind, origin::Frame, warning::warn};
 use glam::{DMat3, DMat4, DVec3};
-use slimkd::{MeshError, TriangleMesh};
+use slimkd::{Aabb, MeshError, TriangleMesh};
 use std::sync::Arc;
 
 /// A corner without that attribute.
 const NONE: u32 = u32::MAX;
+/// A scene whose vertices move by a larger share of its extent, on the way to the origin of others, is warned of.
+const MOST_ROUNDING: f64 = 1.0 / 4096.0;
 
 impl Scene {
     /// Puts scenes into one: triangles, vertices and materials of the first come first. Nothing is moved in the world or welded. The
-    /// result has the first scene's name and its way up, and the first origin that is not 0; fails when there are more vertices or triangles than ids can name.
+    /// result has the first scene's name and its way up, and the first origin that is not 0. A scene that is so far from there that `f32`
+    /// spoils it is warned of. Fails when there are more vertices or triangles than ids can name.
     ///
     /// ```
     /// use slimkd_scene::{Format, Scene, load_bytes};
@@ -25,14 +28,20 @@ impl Scene {
         }
         let origins = scenes.iter().map(|scene| scene.mesh.origin());
         let origin = origins.into_iter().find(|origin| *origin != [0.0; 3]).unwrap_or_default();
-        let mut gathered = Gather::default();
+        let (mut gathered, mut spoiled) = (Gather::default(), Vec::new());
         let mut whole = Self {
             name: scenes[0].name.clone(),
             up: scenes.iter().find_map(|scene| scene.up),
             ..Self::default()
         };
         for mut scene in scenes {
+            let before = scene.rounding;
             scene.move_to(origin)?;
+            if scene.rounding - before > MOST_ROUNDING * extent(&scene.mesh) {
+                let what =
+                    "lies so far from the origin of the others that rounding moves its vertices by up to";
+                spoiled.push(format!("{} {what} {:.1e}", scene.name, scene.rounding));
+            }
             whole.rounding = whole.rounding.max(scene.rounding);
             let (materials, textures) = (whole.materials.len() as u32, whole.textures.len() as u32);
             gathered.append(&scene, None);
@@ -47,10 +56,21 @@ impl Scene {
             whole.lights.extend(scene.lights);
             whole.warnings.extend(scene.warnings);
         }
+        for what in spoiled {
+            warn(&mut whole.warnings, Warning::new(WarningKind::Precision, what));
+        }
         let Self { mesh, normals, uvs, colours, face_colours, .. } = gathered.finish()?;
         let mesh = Arc::new(Arc::unwrap_or_clone(mesh).with_origin(origin));
         Ok(Self { mesh, normals, uvs, colours, face_colours, ..whole })
     }
+}
+
+/// The longest side of the box of all vertices.
+fn extent(mesh: &TriangleMesh) -> f64 {
+    let vertices = mesh.vertices().iter().filter(|vertex| vertex.iter().all(|x| x.is_finite()));
+    let mut bounds = Aabb::EMPTY;
+    vertices.for_each(|&vertex| bounds.include(vertex));
+    bounds.extent().into_iter().fold(0.0, f64::max)
 }
 
 /// Where a part is put, and how it is turned.

@@ -7,7 +7,7 @@ mod tree;
 
 pub(crate) use camera::CameraArgs;
 pub(crate) use parse::{Size, stops, threads, triangles, within};
-pub(crate) use scene::{MoreScenes, SceneArgs, SceneDetails};
+pub(crate) use scene::{FileDetails, MoreScenes, SceneArgs, SceneDetails};
 pub(crate) use tree::{Kind, TreeArgs, TuningArgs, listed, preset};
 
 use crate::commands;
@@ -21,12 +21,15 @@ pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
     /// Print errors only
-    #[arg(long, short, global = true)]
+    #[arg(long, short, global = true, display_order = LAST)]
     pub(crate) quiet: bool,
     /// Fail, with status 1, where a scene file would only be warned of: something in it was left out or replaced
-    #[arg(long, global = true)]
+    #[arg(long, global = true, display_order = LAST)]
     pub(crate) strict: bool,
 }
+
+/// Behind a command's own options.
+const LAST: usize = 900;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -37,8 +40,8 @@ Examples:
   slimkd report building.ply.zst -o report
   slimkd scene --list
 
-SCENE is a file (.ply .obj .stl .off .gltf .glb .xml .serialized .json .jsonl .asc .npy, each also with .zst
-or .gz behind it), the name of a built-in scene, or a tree.skd saved by `slimkd build -o`.
+SCENE is a file (.ply .obj .stl .off .gltf .glb .xml .serialized .json .jsonl .asc .npy, each also with .zst or \
+.gz behind it), the name of a built-in scene, or a tree.skd saved by `slimkd build -o`.
 Exit status: 0 done, 1 the work failed, 2 wrong usage, 130 interrupted.";
 
 /// The commands.

@@ -33,6 +33,13 @@ pub(crate) struct SceneDetails {
     /// The scene that a tree.skd was built from: needed where it was saved with --no-mesh, and brings its materials
     #[arg(long, value_name = "SCENE")]
     pub(crate) mesh: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) files: FileDetails,
+}
+
+/// How scene files are read.
+#[derive(Clone, Debug, Default, Args)]
+pub(crate) struct FileDetails {
     /// Read what a scene names (materials, textures, buffers, shapes) outside its file's folder as well
     #[arg(long)]
     pub(crate) allow_outside: bool,

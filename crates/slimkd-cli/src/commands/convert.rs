@@ -6,7 +6,6 @@ use crate::output::Output;
 use crate::scenes;
 use crate::ui::Ui;
 use clap::Args;
-use rayon::prelude::*;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -41,10 +40,6 @@ pub(crate) fn run(args: &ConvertArgs, ui: Ui) -> Result<(), Failure> {
         .apart_from(scenes::files(&args.scene.scene, &args.scene.details))?
         .apart_from(args.more.more.iter().map(PathBuf::as_path))?;
     let loaded = scenes::load_all(&args.scene.scene, &args.more.more, &args.scene.details, ui)?;
-    let mesh = &loaded.scene.mesh;
-    let degenerate = (0..mesh.len() as u32).into_par_iter().filter(|&id| mesh.is_degenerate(id)).count();
-    let (degenerate, triangles) = (degenerate as u64, mesh.len() as u64);
-    scenes::usable(&loaded.place, degenerate, triangles)?;
-    ui.warn_of(&loaded.place, scenes::degenerate(degenerate, triangles).as_slice())?;
+    scenes::check_triangles(&loaded, ui)?;
     output.write_ply(&loaded.scene, path, ui)
 }

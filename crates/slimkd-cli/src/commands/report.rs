@@ -1,6 +1,6 @@
 //! `slimkd report`: the paper's experiments on any scene, as a page.
 
-use crate::args::{CameraArgs, SceneDetails, Size, threads, triangles, within};
+use crate::args::{CameraArgs, FileDetails, SceneDetails, Size, threads, triangles, within};
 use crate::device::{self, Choice, Pictures};
 use crate::failure::Failure;
 use crate::output::{is_same, overwritten};
@@ -35,14 +35,14 @@ Examples:
   slimkd report --from report/raw.json -o again                  nothing is measured
 
 DIR gets index.html (one file, no network), raw.json, tables/*.csv, plots/*.svg and pictures/.
-What was measured is kept in DIR/measured: the same command goes on where an earlier one was
+What was measured is kept in DIR/measured: the same command goes on where an earlier one was \
 interrupted. For other measurements of the same, take another DIR.";
 
 /// Arguments of `slimkd report`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct ReportArgs {
-    /// Scene files, or built-in scenes' names; the built-in kitchen unless given
+    /// Scene files, or built-in scenes' names, each measured for itself; the built-in kitchen unless given
     #[arg(value_name = "SCENE")]
     scenes: Vec<PathBuf>,
     /// Folder of the report
@@ -51,6 +51,8 @@ pub(crate) struct ReportArgs {
     /// How many triangles built-in scenes get, 1 to 100000000
     #[arg(long, value_name = "N", value_parser = triangles)]
     triangles: Option<NonZeroU32>,
+    #[command(flatten)]
+    files: FileDetails,
     /// Fewer and smaller measurements: a look at what a report is like
     #[arg(long)]
     quick: bool,
@@ -82,7 +84,7 @@ pub(crate) struct ReportArgs {
     time_limit: Option<u32>,
     /// Write page, tables and plots from raw measurements, and measure nothing
     #[arg(long, value_name = "raw.json", conflicts_with_all = ["scenes", "quick", "size", "rounds", "threads", "device", "scaling",
-        "very_large", "peers", "time_limit", "triangles"])]
+        "very_large", "peers", "time_limit", "triangles", "allow_outside", "scene_index", "origin"])]
     from: Option<PathBuf>,
 }
 
@@ -124,11 +126,19 @@ fn write(args: &ReportArgs, options: &Options, peers: Vec<Peers>, ui: Ui) -> Res
     }
     let mut measured = Vec::new();
     for scene in &args.scenes() {
-        measured.push(measure(&session, &progress, scene, args.triangles, false, ui)?);
+        measured.push(measure(&session, &progress, scene, args.triangles, args.files.clone(), false, ui)?);
     }
     if args.very_large.is_some() {
         let scene = Path::new(VERY_LARGE_SCENE);
-        measured.push(measure(&session, &progress, scene, args.very_large, true, ui)?);
+        measured.push(measure(
+            &session,
+            &progress,
+            scene,
+            args.very_large,
+            FileDetails::default(),
+            true,
+            ui,
+        )?);
     }
     let scaling = ui.watch("builds", &progress, || session.scaling()).map_err(failure)?;
     let mut raw = session.raw(measured, scaling);
@@ -143,23 +153,14 @@ fn measure(
     progress: &Progress,
     path: &Path,
     triangles: Option<NonZeroU32>,
+    files: FileDetails,
     very_large: bool,
     ui: Ui,
 ) -> Result<slimkd_lab::schema::Scene, Failure> {
-    let details = SceneDetails {
-        triangles: triangles.filter(|_| scenes::find(path).is_some()),
-        mesh: None,
-        allow_outside: false,
-        scene_index: None,
-        origin: None,
-    };
+    let details =
+        SceneDetails { triangles: triangles.filter(|_| scenes::find(path).is_some()), mesh: None, files };
     let mut loaded = scenes::load(path, &details, ui)?;
-    if loaded.scene.mesh.is_empty() {
-        return Err(Failure::at(
-            path,
-            "there is no triangle in it; export the scene's surfaces as triangles",
-        ));
-    }
+    scenes::check_triangles(&loaded, ui)?;
     cameras::settle_up(&CameraArgs::default(), &mut loaded.scene);
     let name = loaded.scene.name.clone();
     ui.watch(&name, progress, || session.scene(&loaded.scene, very_large)).map_err(failure)

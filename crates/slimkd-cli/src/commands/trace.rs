@@ -28,10 +28,10 @@ Examples:
   slimkd trace huge.skd --rays few.f32 --out hits.bin --no-verify
   slimkd trace town-in-utm.obj --rays rays.f64 --out hits.bin
 
-Rays: little-endian f32 x 8 each, ox oy oz t_min dx dy dz t_max, in the coordinates of the
-scene's file; in a file that ends in .f64 little-endian f64. Those are decided in f64, as are all
+Rays: little-endian f32 x 8 each, ox oy oz t_min dx dy dz t_max, in the coordinates of the \
+scene's file; in a file that ends in .f64 little-endian f64. Those are decided in f64, as are all \
 rays of a scene that has an origin (--origin).
-Hits: 16 bytes each, t f32 (+inf on a miss), triangle u32 (0xFFFFFFFF on a miss), u f32,
+Hits: 16 bytes each, t f32 (+inf on a miss), triangle u32 (0xFFFFFFFF on a miss), u f32, \
 v f32; with --kind any, t is 0 on a hit and only \"hit or not\" counts.";
 
 /// Arguments of `slimkd trace`.

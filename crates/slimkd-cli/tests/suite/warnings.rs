@@ -22,6 +22,20 @@ fn warnings_are_printed_listed_hidden_and_made_errors() {
 }
 
 #[test]
+fn measuring_warns_too() {
+    let tool = Tool::new();
+    // Collinear corners, which only the mesh tells.
+    tool.file("thin.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n");
+    let bench = "bench thin.obj --presets standard --rounds 5 --rays 64";
+    let json = tool.json(&format!("{bench} --json"));
+    assert!(json["warnings"][0].as_str().unwrap().starts_with("1 of 2 triangles"), "{json}");
+    for command in [bench, "report thin.obj -o report --quick"] {
+        tool.fails(&format!("{command} --strict --quiet"), 1, &["thin.obj", "1 of 2 triangles", "--strict"]);
+    }
+    assert!(!tool.files().contains("report"));
+}
+
+#[test]
 fn several_models_are_one_scene_and_are_converted() {
     let tool = Tool::new();
     tool.file("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");

@@ -10,6 +10,8 @@ pub struct RatesReport {
     /// Pictures a second, where they were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frames: Option<Vec<FrameRate>>,
+    /// What the scene is warned of, a line each.
+    pub warnings: Vec<String>,
 }
 
 /// The rate of one tree at one workload.

@@ -15,6 +15,7 @@ use slimkd_lab::measure::{self, Cpu};
 use slimkd_lab::schema::RatesReport;
 use slimkd_lab::{Progress, ReportError};
 use slimkd_render::views::VIEWS;
+use slimkd_scene::Warning;
 use std::num::NonZeroUsize;
 
 const EXAMPLES: &str = "\
@@ -28,10 +29,10 @@ Examples:
   slimkd bench tree.skd                 a saved tree alone
   slimkd bench tree.skd --presets slim,tiny     beside others of the same mesh
 
-Workloads: primary (camera rays, closest hit), shadow (from there to a lamp above the camera, any hit),
-bounce (from there, cosine-distributed, closest hit), random (from random points of the
-scene's box in random directions, closest hit). All presets must give the same hits, bit by bit, before any rate is reported; a
-GPU must give the CPU's hits and pictures within its bounds. Its times are those of its kernels,
+Workloads: primary (camera rays, closest hit), shadow (from there to a lamp above the camera, any hit), \
+bounce (from there, cosine-distributed, closest hit), random (from random points of the \
+scene's box in random directions, closest hit). All presets must give the same hits, bit by bit, \
+before any rate is reported; a GPU must give the CPU's hits and pictures within its bounds. Its times are those of its kernels, \
 by its own clock where it has one, and count as one thread.
 Rates are medians; compare them within one run only.";
 
@@ -90,12 +91,13 @@ pub(crate) fn run(args: &BenchArgs, ui: Ui) -> Result<(), Failure> {
     cameras::settle_up(&args.camera, &mut loaded.scene);
     let built = contenders(args, &mut loaded, ui)?;
     let scene = &loaded.scene;
-    trees::warn_of_degenerate(&built[0].1, ui)?;
+    let degenerate = trees::warn_of_degenerate(&built[0].1, ui)?;
     let views = cameras::choose(&args.camera, &loaded, &built[0].1.tree, VIEWS)?;
     let trees: Vec<Named<'_>> = built.iter().map(|(preset, tree)| (preset.name(), &tree.tree)).collect();
     let mut counts = args.threads.clone();
     counts.dedup();
-    let mut report = RatesReport::default();
+    let warnings = scene.warnings.iter().chain(&degenerate).map(Warning::to_string).collect();
+    let mut report = RatesReport { warnings, ..Default::default() };
     let failed = |error| match error {
         ReportError::Cancelled => Failure::Interrupted,
         ReportError::Camera(error) => {
