@@ -2,7 +2,8 @@
 
 use slimkd::{BuildOptions, KdTree, OpenTree, Preset, RayF64, Tracer, TriangleMesh};
 use slimkd_scene::{
-    Format, Light, LoadOptions, Origin, Scene, load, load_bytes, load_bytes_with, procedural, write_ply,
+    Format, Light, LoadOptions, Origin, Scene, WarningKind, load, load_bytes, load_bytes_with, procedural,
+    write_ply,
 };
 use std::{fs, io::Write};
 
@@ -287,4 +288,15 @@ fn scenes_of_mitsuba_have_origins_whose_parts_are_far_or_near() {
 #[test]
 fn a_mesh_without_vertices_has_no_origin() {
     assert_eq!(TriangleMesh::default().origin(), [0.0; 3]);
+}
+
+/// A model near 0 loses its corners beside one that is far away, and that is told; two of one place keep theirs.
+#[test]
+fn merged_scenes_that_f32_spoils_are_warned_of() {
+    let wall = load_bytes(Format::Obj, WALL).unwrap();
+    let near = load_bytes(Format::Obj, b"v 0.1 0.2 0.3\nv 1.7 0.2 0.3\nv 0.1 1.9 0.3\nf 1 2 3\n").unwrap();
+    let warnings = |scenes: [&Scene; 2]| Scene::merge(scenes.map(Scene::clone).to_vec()).unwrap().warnings;
+    let told = warnings([&wall, &near]);
+    assert!(told.len() == 1 && told[0].kind == WarningKind::Precision, "{told:?}");
+    assert_eq!((warnings([&wall, &wall]), warnings([&near, &near])), (vec![], vec![]));
 }
