@@ -4,7 +4,7 @@ use super::{KdTree, walk};
 use crate::construct::{self, Builder, Pace};
 use crate::geometry::{Aabb, TriangleMesh};
 use crate::job::{Job, Progress};
-use crate::layout::wide::{LeafCode, Wide};
+use crate::layout::wide::{LeafCode, Size, Wide};
 use crate::layout::{self, Encoded, WideNode};
 use crate::options::{BuildError, BuildOptions, Layout};
 use crate::plan::{Widened, search_weight, widen};
@@ -110,7 +110,7 @@ fn build_here(
 }
 
 /// A wide tree, its depth and the weight of bytes that it has. `None` where a wide tree cannot be: with T-references, without a triangle, in a
-/// scene that no grid holds, and where a single node is more than the tree may take.
+/// scene that no grid holds, and where no wide tree is as small as it must be.
 fn wide_tree(
     triangles: &[u32],
     bounds: &Aabb,
@@ -120,29 +120,36 @@ fn wide_tree(
     if options.hoisting.is_some() || triangles.is_empty() || !layout::wide::holds(bounds) {
         return Ok(None);
     }
+    let budget = options.max_tree.map(|most| most.bytes(job.mesh.len()));
+    if budget.is_some_and(|most| Size::least(triangles.len()).bytes() > most) {
+        return Ok(None);
+    }
     job.progress.begin(0.7);
-    let plan = construct::boxes::build(triangles, bounds, true, job)?;
-    job.progress.begin_loops(0.2, 2 * plan.nodes.len());
+    let forest = construct::boxes::build(triangles, bounds, job)?;
+    job.progress.begin_loops(0.2, 2 * forest.nodes());
     let code = LeafCode::new(job.mesh.len());
-    let at_price = |lambda: f64| widen(&plan, lambda, size_of::<WideNode>(), |ids| code.size(ids), job);
-    let size = |tree: &Widened<'_>| layout::wide::size(tree, job.mesh.len());
+    let leaf_bytes = |ids: &[u32]| code.size(ids);
+    let at_price = |lambda: f64| widen(&forest, lambda, size_of::<WideNode>(), &leaf_bytes, job);
+    let bytes = |tree: &Widened<'_>| layout::wide::size(tree, job.mesh.len()).bytes();
     // What a byte costs in the tree of the fewest costs for rays: λ = ℓ · cost / bytes, as in other layouts.
     let fastest = at_price(0.0)?;
-    let cost_of_a_byte = fastest.cost() / size(&fastest) as f64;
+    let cost_of_a_byte = fastest.cost() / bytes(&fastest) as f64;
     drop(fastest);
     let at_weight = |weight: f32| at_price(f64::from(weight) * cost_of_a_byte);
-    let weight = match options.max_tree {
+    let weight = match budget {
         None => options.byte_weight,
         Some(most) => {
-            let most = most.bytes(job.mesh.len());
-            match search_weight(options.byte_weight, None, most, |weight| Ok(size(&at_weight(weight)?))) {
-                Err(BuildError::TreeTooLarge { .. }) => return Ok(None),
+            match search_weight(options.byte_weight, None, most, |weight| Ok(bytes(&at_weight(weight)?))) {
+                Err(BuildError::TreeTooLarge { .. }) => {
+                    job.memory.give(forest.bytes());
+                    return Ok(None);
+                }
                 weight => weight?,
             }
         }
     };
     let widened = at_weight(weight)?;
-    job.progress.begin_loops(0.1, plan.nodes.len() / 4);
+    job.progress.begin_loops(0.1, forest.nodes() / 4);
     let (wide, depth) = layout::wide::encode(&widened, bounds, job)?;
     Ok(Some((wide, depth, weight)))
 }
