@@ -8,7 +8,9 @@
 //! version may change presets. An unknown tag is an error, since a tree with another option would be another tree. What leaves no
 //! trace in a tree is left out: threads, and limits of bytes.
 
-use crate::options::{BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset, SahConstants, Splits};
+use crate::options::{
+    BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset, SahConstants, Splits,
+};
 
 /// Longest block, bytes: all options take less than 100.
 pub(super) const LIMIT: usize = 4096;

@@ -185,7 +185,8 @@ impl Subtree {
             }
         }
         let leaves = (left.leaves + right.leaves).min(WIDTH);
-        let divided = Self { costs: least, leaves, references: left.references + right.references, distinct: 0 };
+        let divided =
+            Self { costs: least, leaves, references: left.references + right.references, distinct: 0 };
         (divided, from)
     }
 
@@ -322,7 +323,11 @@ impl Widened<'_> {
     /// A node of the top, or the root of the part that stands there.
     fn in_top(&self, at: usize) -> Place {
         let part = self.forest.top[at].references();
-        if part.is_empty() { Place { part: TOP, at: at as u32 } } else { Place { part: part.start as u32, at: 0 } }
+        if part.is_empty() {
+            Place { part: TOP, at: at as u32 }
+        } else {
+            Place { part: part.start as u32, at: 0 }
+        }
     }
 
     fn node(&self, Place { part, at }: Place) -> &BoxNode {
@@ -485,7 +490,10 @@ mod tests {
         let divided = |most: usize| {
             node.right().map_or(f64::INFINITY, |right| {
                 (1..most)
-                    .map(|k| least(plan, at + 1, k, root_area, lambda) + least(plan, right, most - k, root_area, lambda))
+                    .map(|k| {
+                        least(plan, at + 1, k, root_area, lambda)
+                            + least(plan, right, most - k, root_area, lambda)
+                    })
                     .fold(f64::INFINITY, f64::min)
             })
         };
@@ -529,7 +537,9 @@ mod tests {
                 ids.sort_unstable();
                 ids.dedup();
                 assert!(ids.iter().copied().eq(0..growing.next_id), "each triangle is in a leaf");
-                if let [only] = &forest.parts[..] && leaves <= 5 {
+                if let [only] = &forest.parts[..]
+                    && leaves <= 5
+                {
                     let least = least(only, 0, 1, forest.bounds().surface_area(), lambda);
                     assert!((tree.cost() - least).abs() <= 1e-5 * least, "{} {least}", tree.cost());
                 }

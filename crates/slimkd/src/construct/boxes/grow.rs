@@ -211,10 +211,8 @@ impl Shared<'_> {
         self.job.memory.take((left.capacity() + references.capacity()) * size_of::<Reference>())?;
         self.job.memory.give(held);
         let (a, b) = shared(spare - divided.cut, left.len(), references.len());
-        let (left, right) = threads::join(
-            move || self.grow(left, a, depth + 1),
-            move || self.grow(references, b, depth + 1),
-        );
+        let (left, right) =
+            threads::join(move || self.grow(left, a, depth + 1), move || self.grow(references, b, depth + 1));
         Ok(Grown::Inner { bounds, halves: Box::new((left?, right?)) })
     }
 
@@ -275,8 +273,12 @@ fn divided(references: &[Reference], centers: &Box4) -> Option<ObjectSplit> {
         bins.add(&grid, references);
         return bins.best(&grid);
     }
-    let bins =
-        in_shares(references, || object::Bins::EMPTY, |bins, share| bins.add(&grid, share), object::Bins::join);
+    let bins = in_shares(
+        references,
+        || object::Bins::EMPTY,
+        |bins, share| bins.add(&grid, share),
+        object::Bins::join,
+    );
     bins.best(&grid)
 }
 

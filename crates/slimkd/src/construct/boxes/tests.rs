@@ -20,9 +20,8 @@ impl Random {
 fn hills(edge: u32) -> TriangleMesh {
     let mut random = Random(3);
     let line = edge + 1;
-    let vertices = (0..line * line)
-        .map(|i| [(i % line) as f32, 3.0 * random.unit(), (i / line) as f32])
-        .collect();
+    let vertices =
+        (0..line * line).map(|i| [(i % line) as f32, 3.0 * random.unit(), (i / line) as f32]).collect();
     let cells = (0..edge * edge).map(|i| i / edge * line + i % edge);
     let triangles = cells.flat_map(|a| [[a, a + 1, a + line], [a + 1, a + line + 1, a + line]]).collect();
     TriangleMesh::new(vertices, triangles).unwrap()
@@ -87,9 +86,8 @@ fn every_point_of_a_triangle_is_in_a_leaf_that_names_it() {
                         std::array::from_fn(|k| a[k] + s * (b[k] - a[k]) + r * (c[k] - a[k]));
                     let nearly = 1e-5;
                     assert!(
-                        boxes.iter().any(|own| (0..3).all(|k| {
-                            own.min[k] - nearly <= point[k] && point[k] <= own.max[k] + nearly
-                        })),
+                        boxes.iter().any(|own| (0..3)
+                            .all(|k| { own.min[k] - nearly <= point[k] && point[k] <= own.max[k] + nearly })),
                         "{splits}, triangle {id}"
                     );
                 }
