@@ -49,6 +49,12 @@ pub(crate) struct BoxPlan {
 }
 
 impl BoxPlan {
+    /// Gives back what it grew by and did not need.
+    pub(crate) fn shrink(&mut self) {
+        self.nodes.shrink_to_fit();
+        self.references.shrink_to_fit();
+    }
+
     /// Bytes that it holds.
     pub(crate) fn bytes(&self) -> usize {
         self.nodes.capacity() * size_of::<BoxNode>() + self.references.capacity() * size_of::<u32>()

@@ -32,6 +32,8 @@ pub(super) struct Shared<'a> {
     pub(super) job: &'a Job<'a>,
     pub(super) root_area: f64,
     pub(super) splits: Splits,
+    /// The share of a triangle in the build's time.
+    pub(super) share: f64,
 }
 
 /// A tree whose top was built by all threads.
@@ -201,15 +203,16 @@ impl Shared<'_> {
         }
         let (bounds, centers) = span(&references);
         let split = self.choose(&references, &bounds, &centers, spare);
-        let held = references.capacity() * size_of::<Reference>();
+        // Room for all on the left side, of which only what is needed is kept.
+        let held = (references.capacity() + references.len()) * size_of::<Reference>();
+        self.job.memory.take(references.len() * size_of::<Reference>())?;
         let mut room = Room::default();
         let divided = self.divide(&split, &mut references, 0, spare, &mut room)?;
         let Room { mut left, .. } = room;
         left.truncate(divided.left);
         left.shrink_to_fit();
         references.shrink_to_fit();
-        self.job.memory.take((left.capacity() + references.capacity()) * size_of::<Reference>())?;
-        self.job.memory.give(held);
+        self.job.memory.give(held - (left.capacity() + references.capacity()) * size_of::<Reference>());
         let (a, b) = shared(spare - divided.cut, left.len(), references.len());
         let (left, right) =
             threads::join(move || self.grow(left, a, depth + 1), move || self.grow(references, b, depth + 1));
@@ -226,6 +229,7 @@ impl Shared<'_> {
             parent: Option<usize>,
         }
         let taken = references.capacity() * size_of::<Reference>();
+        let share = self.share * references.len() as f64;
         let mut plan = BoxPlan::default();
         let mut sides = Room::default();
         let mut pending = vec![Pending { start: 0, spare, parent: None }];
@@ -256,6 +260,8 @@ impl Shared<'_> {
             push(&mut pending, Pending { start, spare: b, parent: Some(at) })?;
             push(&mut pending, Pending { start: middle, spare: a, parent: None })?;
         }
+        self.job.progress.advance(share);
+        plan.shrink();
         self.job.memory.take(plan.bytes())?;
         self.job.memory.give(taken);
         Ok(plan)

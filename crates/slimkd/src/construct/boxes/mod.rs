@@ -26,8 +26,13 @@ use reference::Reference;
 const SPARE: f64 = 0.75;
 const SPARE_OF_CELLS: f64 = 3.0;
 
-/// Builds the tree over triangles that can be hit.
-pub(crate) fn build(triangles: &[u32], bounds: &Aabb, job: &Job<'_>) -> Result<BoxForest, BuildError> {
+/// Builds the tree over triangles that can be hit. Moves the progress by `share`.
+pub(crate) fn build(
+    triangles: &[u32],
+    bounds: &Aabb,
+    share: f64,
+    job: &Job<'_>,
+) -> Result<BoxForest, BuildError> {
     let mut forest = BoxForest::default();
     if triangles.is_empty() {
         return Ok(forest);
@@ -42,7 +47,8 @@ pub(crate) fn build(triangles: &[u32], bounds: &Aabb, job: &Job<'_>) -> Result<B
     let splits = job.options.splits;
     let spare = if splits == Splits::Space { SPARE_OF_CELLS } else { SPARE };
     let spare = (spare * triangles.len() as f64) as usize;
-    let shared = Shared { job, root_area: bounds.surface_area() / 2.0, splits };
+    let shared =
+        Shared { job, root_area: bounds.surface_area() / 2.0, splits, share: share / triangles.len() as f64 };
     shared.grow(references, spare, 0)?.append_to(&mut forest)?;
     Ok(forest)
 }

@@ -51,7 +51,7 @@ fn forest(mesh: &TriangleMesh, splits: Splits, threads: usize) -> BoxForest {
     let ids: Vec<u32> = (0..mesh.len() as u32).collect();
     let mut bounds = Aabb::EMPTY;
     mesh.vertices().iter().for_each(|&vertex| bounds.include(vertex));
-    let built = threads::with(threads, || build(&ids, &bounds, &job).unwrap());
+    let built = threads::with(threads, || build(&ids, &bounds, 1.0, &job).unwrap());
     built.map_err(|refused| refused.why).unwrap()
 }
 
