@@ -1,7 +1,7 @@
 //! Meshes, rays and options out of arbitrary bytes.
 
 use slimkd::{
-    BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset, Ray, TreeBudget, TriangleMesh,
+    BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset, Ray, Splits, TreeBudget, TriangleMesh,
 };
 
 /// Bytes to decide by; zeros once they are used up.
@@ -92,6 +92,9 @@ impl<'a> Input<'a> {
         if more & 2 == 2 {
             options.layout =
                 [Layout::FourByte, Layout::TwoByte, Layout::Dense, Layout::Wide][usize::from(byte >> 4) % 4];
+        }
+        if more & 12 == 12 {
+            options.splits = Splits::Space;
         }
         match more >> 2 & 3 {
             1 => options.clipping = Clipping::Box,

@@ -3,7 +3,7 @@
 use crate::trees::{Tree, thread_count};
 use crate::ui::{bytes, grouped};
 use serde::Serialize;
-use slimkd::{HoistAlgorithm, Layout, TreeStatistics};
+use slimkd::{HoistAlgorithm, Layout, Splits, TreeStatistics};
 use slimkd_lab::measure::savings::{Savings, four_byte};
 use slimkd_lab::schema::{self, Nodes, References};
 use slimkd_scene::{MeshCheck, Warning};
@@ -307,6 +307,7 @@ fn choices(tree: &Tree) -> String {
         Layout::Wide if tree.statistics.leaf_references.other == 0 => {
             ", 2-byte leaves (the wide layout cannot hold it)"
         }
+        Layout::Wide if options.splits == Splits::Space => ", wide layout, split by planes alone",
         Layout::Wide => ", wide layout",
         _ => ", dense layout",
     });

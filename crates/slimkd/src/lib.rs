@@ -134,7 +134,7 @@ pub use layout::EncodedTree;
 #[doc(inline)]
 pub use options::{
     BuildError, BuildOptions, Clipping, Countable, HoistAlgorithm, Hoisting, Layout, Preset, SahConstants,
-    TreeBudget, UnknownName,
+    Splits, TreeBudget, UnknownName,
 };
 #[doc(inline)]
 pub use query::{

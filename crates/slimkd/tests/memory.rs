@@ -3,7 +3,9 @@
 mod common;
 
 use common::sphere;
-use slimkd::{BuildError, BuildOptions, KdTree, Preset, TriangleMesh};
+use slimkd::{
+    BuildError, BuildOptions, KdTree, Layout as TreeLayout, Preset, Splits, TreeBudget, TriangleMesh,
+};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -74,8 +76,16 @@ fn build(mesh: &Arc<TriangleMesh>, options: &BuildOptions) -> (Result<Vec<u8>, B
 #[test]
 fn bounds_are_kept_and_no_memory_is_an_error() {
     let mesh = Arc::new(sphere(7));
-    for preset in [Preset::Standard, Preset::PaperSmall, Preset::Slim] {
-        let mut options = BuildOptions::from(preset);
+    let wide = BuildOptions::from(Preset::Slim).with_layout(TreeLayout::Wide).with_max_tree(None);
+    let all = [
+        Preset::Standard.into(),
+        Preset::PaperSmall.into(),
+        Preset::Slim.into(),
+        wide.clone().with_max_tree(TreeBudget::BytesPerTriangle(4.0)),
+        wide.clone().with_splits(Splits::Space),
+        wide,
+    ];
+    for mut options in all {
         options.threads = NonZeroUsize::new(2); // each has buffers
         let (expected, most) = build(&mesh, &options);
         let expected = expected.unwrap();
@@ -83,7 +93,7 @@ fn bounds_are_kept_and_no_memory_is_an_error() {
             let limit = most / 100 * percent;
             options.max_build_bytes = Some(limit as u64);
             let (built, peak) = build(&mesh, &options);
-            let context = format!("{preset:?}, {peak} of {limit}, {percent} % of {most}");
+            let context = format!("{options:?}, {peak} of {limit}, {percent} % of {most}");
             assert!(peak <= limit + BUFFERS, "{context}");
             match built {
                 Ok(tree) => assert!(tree == expected, "{context}"),
@@ -102,7 +112,7 @@ fn bounds_are_kept_and_no_memory_is_an_error() {
                 Ok(tree) => assert!(tree == expected),
                 Err(error) => assert!(
                     percent < 100 && matches!(error, BuildError::OutOfMemory { .. }),
-                    "{preset:?} at {percent} %, {peak} of {most}: {error}"
+                    "{options:?} at {percent} %, {peak} of {most}: {error}"
                 ),
             }
         }

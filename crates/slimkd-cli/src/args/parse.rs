@@ -1,6 +1,6 @@
 //! Values of options, parsed and checked.
 
-use slimkd::{Clipping, Layout, TreeBudget, UnknownName};
+use slimkd::{Clipping, Layout, Splits, TreeBudget, UnknownName};
 use std::fmt::Display;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::ops::RangeInclusive;
@@ -98,6 +98,11 @@ fn number(text: &str, range: RangeInclusive<f32>) -> Result<f32, String> {
 
 /// How triangles are bounded.
 pub(super) fn clipping(text: &str) -> Result<Clipping, UnknownName> {
+    text.parse()
+}
+
+/// What divides nodes.
+pub(super) fn splits(text: &str) -> Result<Splits, UnknownName> {
     text.parse()
 }
 

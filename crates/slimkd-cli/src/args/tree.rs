@@ -1,12 +1,12 @@
 //! How a tree is built: the preset, and whatever is set in place of its own choices.
 
 use super::parse::{
-    TreeSize, bytes, clipping, fraction, layout, not_negative, positive, threads, tree_budget, within,
+    TreeSize, bytes, clipping, fraction, layout, not_negative, positive, splits, threads, tree_budget, within,
 };
 use crate::failure::Failure;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset};
+use slimkd::{BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset, Splits};
 use std::num::NonZeroUsize;
 
 /// Everything that shapes one tree.
@@ -88,6 +88,10 @@ struct ShapeArgs {
     /// written as two-byte, and hoisting options exclude them. The preset's unless given
     #[arg(long, value_name = "four-byte|two-byte|dense|wide", value_parser = layout)]
     layout: Option<Layout>,
+    /// What divides the nodes of a wide tree: planes and sets of triangles, whichever is cheaper, or planes alone, a kd-tree's cells;
+    /// with --layout wide. Both unless given
+    #[arg(long, value_name = "both|space", value_parser = splits)]
+    splits: Option<Splits>,
     /// The fastest tree of at most SIZE: bytes, with a unit such as KiB or MB, bytes a triangle, as in 6/tri, or none. Found from
     /// one build, by raising the byte weight; the preset's unless given
     #[arg(long, value_name = "SIZE", value_parser = tree_budget)]
@@ -126,6 +130,11 @@ impl TuningArgs {
                 listed(&hoisting)
             )));
         }
+        if self.shape.splits.is_some() && self.shape.layout != Some(Layout::Wide) {
+            return Err(Failure::usage(
+                "--splits is a choice of wide trees, and others are divided by planes; add --layout wide, or leave it out",
+            ));
+        }
         Ok(())
     }
 
@@ -133,7 +142,8 @@ impl TuningArgs {
     pub(crate) fn given(&self) -> Vec<&'static str> {
         let Self { sah, hoisting, shape } = self;
         let SahArgs { sah_traversal, sah_intersection, empty_bonus } = sah;
-        let ShapeArgs { collapse, byte_weight, leaf_at_most, clipping, layout, max_tree_bytes } = shape;
+        let ShapeArgs { collapse, byte_weight, leaf_at_most, clipping, layout, splits, max_tree_bytes } =
+            shape;
         let costs = [
             ("--sah-traversal", sah_traversal.is_some()),
             ("--sah-intersection", sah_intersection.is_some()),
@@ -145,6 +155,7 @@ impl TuningArgs {
             ("--leaf-at-most", leaf_at_most.is_some()),
             ("--clipping", clipping.is_some()),
             ("--layout", layout.is_some()),
+            ("--splits", splits.is_some()),
             ("--max-tree-bytes", max_tree_bytes.is_some()),
         ];
         [named(&costs), hoisting.given(), named(&shape)].concat()
@@ -164,6 +175,7 @@ impl TuningArgs {
         set(&mut options.clipping, shape.clipping);
         options.collapse |= shape.collapse || shape.byte_weight.is_some();
         set(&mut options.layout, shape.layout);
+        set(&mut options.splits, shape.splits);
         if let Some(most) = shape.max_tree_bytes {
             options.max_tree = most.0;
         }
@@ -330,6 +342,21 @@ mod tests {
     }
 
     #[test]
+    fn splits_are_of_wide_trees() {
+        let check = |line: &str| {
+            let words = std::iter::once("tool").chain(line.split_whitespace());
+            Line::try_parse_from(words).unwrap().tree.tuning.check().map_err(|failure| failure.to_string())
+        };
+        assert_eq!(check("--layout wide --splits space"), Ok(()));
+        assert_eq!(options("--layout wide --splits space").unwrap().splits, Splits::Space);
+        assert_eq!(options("--layout wide").unwrap().splits, Splits::Both);
+        for wrong in ["--splits space", "--layout dense --splits both"] {
+            let refused = check(wrong).unwrap_err();
+            assert!(refused.contains("add --layout wide"), "{refused}");
+        }
+    }
+
+    #[test]
     fn what_is_given_has_names() {
         let line =
             "--rebuild --preset tiny --clipping 40 --sah-traversal 3 --threads 2 --max-build-bytes 1GB";
@@ -349,6 +376,7 @@ mod tests {
             "--byte-weight inf",
             "--leaf-at-most -1",
             "--layout small",
+            "--splits objects",
             "--max-tree-bytes 0",
             "--max-build-bytes none",
             "--max-tree-bytes 5MiBs",

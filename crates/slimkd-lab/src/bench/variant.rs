@@ -57,6 +57,7 @@ fn set(options: &mut BuildOptions, key: &str, value: &str) -> Result<()> {
         }
         "clipping" => options.clipping = value.parse()?,
         "layout" => options.layout = value.parse()?,
+        "splits" => options.splits = value.parse()?,
         "per-triangle" => {
             options.max_tree = match value {
                 "none" => None,
@@ -65,7 +66,7 @@ fn set(options: &mut BuildOptions, key: &str, value: &str) -> Result<()> {
         }
         _ => bail!(
             "no such key; there are traversal, intersection, empty-bonus, leaf-at-most, byte-weight, collapse, \
-             hoisting, clipping, layout, per-triangle"
+             hoisting, clipping, layout, splits, per-triangle"
         ),
     }
     Ok(())
@@ -74,7 +75,7 @@ fn set(options: &mut BuildOptions, key: &str, value: &str) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slimkd::Layout;
+    use slimkd::{Layout, Splits};
 
     #[test]
     fn keys_change_the_preset() {
@@ -83,6 +84,8 @@ mod tests {
         assert_eq!(variant.name, "low");
         assert_eq!((variant.options.sah.intersection, variant.options.byte_weight), (9.0, 0.2));
         assert_eq!((variant.options.layout, variant.options.max_tree), (Layout::TwoByte, None));
+        let cells: Variant = "cells=slim,layout=wide,splits=space".parse().unwrap();
+        assert_eq!((cells.options.layout, cells.options.splits), (Layout::Wide, Splits::Space));
         let hoisted: Variant = "h=standard,hoisting=0.5/0.4,collapse=true".parse().unwrap();
         assert_eq!(hoisted.options.hoisting, Some(Hoisting::new(0.5, 0.4)));
         assert!(hoisted.options.collapse);

@@ -8,7 +8,9 @@
 //! version may change presets. An unknown tag is an error, since a tree with another option would be another tree. What leaves no
 //! trace in a tree is left out: threads, and limits of bytes.
 
-use crate::options::{BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset, SahConstants};
+use crate::options::{
+    BuildOptions, Clipping, HoistAlgorithm, Hoisting, Layout, Preset, SahConstants, Splits,
+};
 
 /// Longest block, bytes: all options take less than 100.
 pub(super) const LIMIT: usize = 4096;
@@ -30,9 +32,10 @@ enum Tag {
     /// Occupancy and frequency, two f32; nothing without T-references.
     Hoisting = 10,
     HoistAlgorithm = 11,
+    Splits = 12,
 }
 
-const TAGS: [Tag; 11] = [
+const TAGS: [Tag; 12] = [
     Tag::Preset,
     Tag::Traversal,
     Tag::Intersection,
@@ -44,6 +47,7 @@ const TAGS: [Tag; 11] = [
     Tag::ByteWeight,
     Tag::Hoisting,
     Tag::HoistAlgorithm,
+    Tag::Splits,
 ];
 
 /// Options as bytes.
@@ -55,6 +59,7 @@ pub(super) fn put(options: &BuildOptions) -> Vec<u8> {
         leaf_at_most,
         clipping,
         layout,
+        splits,
         hoisting,
         collapse,
         byte_weight,
@@ -88,6 +93,7 @@ pub(super) fn put(options: &BuildOptions) -> Vec<u8> {
             add(Tag::HoistAlgorithm, &[*algorithm as u8]);
         }
     }
+    add(Tag::Splits, &[*splits as u8]);
     out
 }
 
@@ -142,6 +148,11 @@ pub(super) fn get(mut block: &[u8]) -> Option<BuildOptions> {
             3 => Layout::Wide,
             _ => return None,
         },
+        splits: match byte(Tag::Splits)? {
+            0 => Splits::Both,
+            1 => Splits::Space,
+            _ => return None,
+        },
         hoisting,
         collapse: match byte(Tag::Collapse)? {
             0 => false,
@@ -179,6 +190,7 @@ mod tests {
                             leaf_at_most: 17,
                             clipping,
                             layout,
+                            splits: if all.len() % 3 == 0 { Splits::Space } else { Splits::Both },
                             hoisting,
                             collapse: all.len() % 2 == 0,
                             byte_weight: 0.375,
@@ -208,7 +220,7 @@ mod tests {
         }
         let unknown = [&block[..], &[200, 1, 0]].concat();
         assert_eq!(get(&unknown), None, "an unknown tag");
-        let twice = [&block[..], &[Tag::HoistAlgorithm as u8, 1, 0]].concat();
+        let twice = [&block[..], &[Tag::Splits as u8, 1, 0]].concat();
         assert_eq!(get(&twice), None, "a tag that comes twice");
     }
 }

@@ -76,6 +76,20 @@ pub enum Layout {
     Wide = 3,
 }
 
+/// What divides the nodes of a [`Layout::Wide`] tree; other layouts know planes alone, whatever this says. Hits are the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+#[repr(u8)]
+pub enum Splits {
+    /// Planes, which cut triangles, or sets of whole triangles, whichever is cheaper: the boxes of sibling nodes may overlap.
+    #[default]
+    Both = 0,
+    /// Planes alone: a kd-tree's cells, which do not overlap, each with a tight box around what is in it. More references, and so
+    /// larger trees. Only what no plane separates is divided as a set, where it is too much for a leaf.
+    Space = 1,
+}
+
 /// A bound on the bytes of a tree, as [`MemoryReport::tree`](crate::MemoryReport::tree) counts them.
 ///
 /// ```
@@ -124,6 +138,8 @@ pub struct BuildOptions {
     pub clipping: Clipping,
     /// How the tree is written.
     pub layout: Layout,
+    /// What divides nodes, where the layout is [`Layout::Wide`].
+    pub splits: Splits,
     /// The paper's T-references; `None` keeps every triangle in the leaves.
     pub hoisting: Option<Hoisting>,
     /// Whether a subtree becomes a leaf where the leaf's cost is no higher. Its cost is the SAH cost, and at a
@@ -178,6 +194,13 @@ impl BuildOptions {
     #[must_use]
     pub fn with_layout(mut self, layout: Layout) -> Self {
         self.layout = layout;
+        self
+    }
+
+    /// Sets [`BuildOptions::splits`].
+    #[must_use]
+    pub fn with_splits(mut self, splits: Splits) -> Self {
+        self.splits = splits;
         self
     }
 

@@ -1,6 +1,6 @@
 //! Options as words: what a command line or a configuration file says, and back.
 
-use super::{Clipping, HoistAlgorithm, Layout, TreeBudget};
+use super::{Clipping, HoistAlgorithm, Layout, Splits, TreeBudget};
 use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
@@ -89,6 +89,33 @@ impl FromStr for Layout {
             "dense" => Ok(Self::Dense),
             "wide" => Ok(Self::Wide),
             word => Err(UnknownName::new("layout", word, ["four-byte", "two-byte", "dense", "wide"])),
+        }
+    }
+}
+
+/// `both` or `space`.
+///
+/// ```
+/// use slimkd::Splits;
+/// assert_eq!("space".parse(), Ok(Splits::Space));
+/// ```
+impl fmt::Display for Splits {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Both => "both",
+            Self::Space => "space",
+        })
+    }
+}
+
+impl FromStr for Splits {
+    type Err = UnknownName;
+
+    fn from_str(word: &str) -> Result<Self, UnknownName> {
+        match word {
+            "both" => Ok(Self::Both),
+            "space" => Ok(Self::Space),
+            word => Err(UnknownName::new("kind of splits", word, ["both", "space"])),
         }
     }
 }

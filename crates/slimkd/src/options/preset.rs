@@ -1,7 +1,7 @@
 //! The presets: named sets of options, with their constants.
 
 use super::names::UnknownName;
-use super::{BuildOptions, Clipping, Hoisting, Layout, SahConstants, TreeBudget};
+use super::{BuildOptions, Clipping, Hoisting, Layout, SahConstants, Splits, TreeBudget};
 use std::fmt;
 use std::str::FromStr;
 
@@ -63,6 +63,7 @@ impl From<Preset> for BuildOptions {
             leaf_at_most: 4,
             clipping: Clipping::ExactFrom(10_000),
             layout: Layout::TwoByte,
+            splits: Splits::Both,
             hoisting: None,
             collapse: false,
             byte_weight: 0.0,

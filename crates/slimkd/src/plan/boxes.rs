@@ -2,7 +2,7 @@
 
 use crate::geometry::Aabb;
 
-/// One node of a [`BoxPlan`].
+/// One node of a tree of boxes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BoxNode {
     /// What the subtree refers to, clipped to where it refers to it.
@@ -40,7 +40,7 @@ impl BoxNode {
     }
 }
 
-/// A whole tree of boxes in preorder. No node at all stands for no triangle.
+/// A subtree in preorder.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct BoxPlan {
     pub(crate) nodes: Vec<BoxNode>,
@@ -49,20 +49,40 @@ pub(crate) struct BoxPlan {
 }
 
 impl BoxPlan {
+    /// Gives back what it grew by and did not need.
+    pub(crate) fn shrink(&mut self) {
+        self.nodes.shrink_to_fit();
+        self.references.shrink_to_fit();
+    }
+
     /// Bytes that it holds.
     pub(crate) fn bytes(&self) -> usize {
         self.nodes.capacity() * size_of::<BoxNode>() + self.references.capacity() * size_of::<u32>()
     }
+}
 
-    /// Appends a subtree that was built on its own.
-    pub(crate) fn append(&mut self, subtree: &Self) {
-        let (nodes, references) = (self.nodes.len() as u32, self.references.len() as u32);
-        self.nodes.extend(
-            subtree.nodes.iter().map(|node| BoxNode {
-                at: node.at + if node.count == 0 { nodes } else { references },
-                ..*node
-            }),
-        );
-        self.references.extend_from_slice(&subtree.references);
+/// A whole tree as its threads made it: a top, and the subtrees below, each of which was built and is collapsed by one thread.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct BoxForest {
+    /// In preorder. What a leaf refers to is one of `parts`. No node at all stands for no triangle.
+    pub(crate) top: Vec<BoxNode>,
+    /// In the order of the top's leaves; none is empty.
+    pub(crate) parts: Vec<BoxPlan>,
+}
+
+impl BoxForest {
+    /// The bounds of all.
+    pub(crate) fn bounds(&self) -> Aabb {
+        self.top.first().map_or(Aabb::EMPTY, |root| root.bounds)
+    }
+
+    /// Bytes that its parts hold.
+    pub(crate) fn bytes(&self) -> usize {
+        self.parts.iter().map(BoxPlan::bytes).sum()
+    }
+
+    /// Nodes of all parts.
+    pub(crate) fn nodes(&self) -> usize {
+        self.parts.iter().map(|part| part.nodes.len()).sum()
     }
 }

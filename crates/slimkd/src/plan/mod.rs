@@ -10,7 +10,7 @@ mod weight;
 mod widen;
 mod work;
 
-pub(crate) use boxes::{BoxNode, BoxPlan};
+pub(crate) use boxes::{BoxForest, BoxNode, BoxPlan};
 pub(crate) use collapse::{Totals, UnitBytes, collapse, collapse_subtree};
 pub(crate) use price::Price;
 pub(crate) use weight::search_weight;

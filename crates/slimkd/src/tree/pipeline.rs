@@ -110,7 +110,7 @@ fn build_here(
 }
 
 /// A wide tree, its depth and the weight of bytes that it has. `None` where a wide tree cannot be: with T-references, without a triangle, in a
-/// scene that no grid holds, and where a single node is more than the tree may take.
+/// scene that no grid holds, and where no wide tree is as small as it must be.
 fn wide_tree(
     triangles: &[u32],
     bounds: &Aabb,
@@ -120,29 +120,50 @@ fn wide_tree(
     if options.hoisting.is_some() || triangles.is_empty() || !layout::wide::holds(bounds) {
         return Ok(None);
     }
-    job.progress.begin(0.7);
-    let plan = construct::boxes::build(triangles, bounds, true, job)?;
-    job.progress.begin_loops(0.2, 2 * plan.nodes.len());
+    let budget = options.max_tree.map(|most| most.bytes(job.mesh.len()));
+    if budget.is_some_and(|most| layout::wide::least_size(triangles.len()) > most) {
+        return Ok(None);
+    }
+    job.progress.begin(0.8);
+    let forest = construct::boxes::build(triangles, bounds, 0.8, job)?;
+    job.progress.begin_loops(0.15, 2 * forest.nodes());
     let code = LeafCode::new(job.mesh.len());
-    let at_price = |lambda: f64| widen(&plan, lambda, size_of::<WideNode>(), |ids| code.size(ids), job);
-    let size = |tree: &Widened<'_>| layout::wide::size(tree, job.mesh.len());
+    let leaf_bytes = |ids: &[u32]| code.size(ids);
+    let bytes = |tree: &Widened<'_>| layout::wide::size(tree, job.mesh.len());
     // What a byte costs in the tree of the fewest costs for rays: λ = ℓ · cost / bytes, as in other layouts.
-    let fastest = at_price(0.0)?;
-    let cost_of_a_byte = fastest.cost() / size(&fastest) as f64;
+    let fastest = widen(&forest, 0.0, size_of::<WideNode>(), &leaf_bytes, job)?;
+    let cost_of_a_byte = fastest.cost() / bytes(&fastest) as f64;
     drop(fastest);
-    let at_weight = |weight: f32| at_price(f64::from(weight) * cost_of_a_byte);
-    let weight = match options.max_tree {
+    let at_weight = |weight: f32| {
+        let lambda = f64::from(weight) * cost_of_a_byte;
+        widen(&forest, lambda, size_of::<WideNode>(), &leaf_bytes, job)
+    };
+    // The search ends with the tree that it finds, or near it: mostly at its first step.
+    let mut last = None;
+    let weight = match budget {
         None => options.byte_weight,
         Some(most) => {
-            let most = most.bytes(job.mesh.len());
-            match search_weight(options.byte_weight, None, most, |weight| Ok(size(&at_weight(weight)?))) {
-                Err(BuildError::TreeTooLarge { .. }) => return Ok(None),
-                weight => weight?,
+            let found = search_weight(options.byte_weight, None, most, |weight| {
+                drop(last.take());
+                let (_, tree) = last.insert((weight, at_weight(weight)?));
+                Ok(bytes(tree))
+            });
+            if let Err(BuildError::TreeTooLarge { .. }) = found {
+                drop(last);
+                job.memory.give(forest.bytes());
+                return Ok(None);
             }
+            found?
         }
     };
-    let widened = at_weight(weight)?;
-    job.progress.begin_loops(0.1, plan.nodes.len() / 4);
+    let widened = match last.take() {
+        Some((found, tree)) if found == weight => tree,
+        other => {
+            drop(other);
+            at_weight(weight)?
+        }
+    };
+    job.progress.begin_loops(0.05, forest.nodes() / 4);
     let (wide, depth) = layout::wide::encode(&widened, bounds, job)?;
     Ok(Some((wide, depth, weight)))
 }

@@ -4,7 +4,7 @@
 pub mod layers;
 
 use slimkd::{
-    BuildOptions, Clipping, EncodedTree, HoistAlgorithm, KdTree, Layout, Preset, Ray, TriangleMesh,
+    BuildOptions, Clipping, EncodedTree, HoistAlgorithm, KdTree, Layout, Preset, Ray, Splits, TriangleMesh,
 };
 pub use slimkd_util::Rng;
 
@@ -60,7 +60,10 @@ pub fn variants() -> Vec<(String, BuildOptions)> {
     for byte_weight in [0.0, 0.2] {
         let options =
             BuildOptions::from(Preset::Slim).with_layout(Layout::Wide).with_byte_weight(byte_weight);
-        out.push((format!("wide at {byte_weight}"), options.with_max_tree(None)));
+        for splits in [Splits::Both, Splits::Space] {
+            let options = options.clone().with_splits(splits).with_max_tree(None);
+            out.push((format!("wide at {byte_weight}, splits {splits}"), options));
+        }
     }
     for layout in [Layout::FourByte, Layout::TwoByte, Layout::Wide] {
         let mut options = BuildOptions::from(Preset::Slim);

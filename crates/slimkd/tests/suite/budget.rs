@@ -1,7 +1,9 @@
 //! Trees that must fit a number of bytes.
 
 use crate::common::{hard_rays, soup, sphere};
-use slimkd::{BuildError, BuildOptions, KdTree, Layout, Preset, Tracer, TreeBudget, TriangleMesh};
+use slimkd::{
+    BuildError, BuildOptions, EncodedTree, KdTree, Layout, Preset, Tracer, TreeBudget, TriangleMesh,
+};
 use std::sync::Arc;
 
 #[test]
@@ -12,6 +14,7 @@ fn a_tree_fits_its_budget_and_uses_it() {
         for (preset, layout) in [
             (Preset::Slim, Layout::Dense),
             (Preset::Slim, Layout::TwoByte),
+            (Preset::Slim, Layout::Wide),
             (Preset::Standard, Layout::FourByte),
             (Preset::PaperSmall, Layout::TwoByte),
         ] {
@@ -27,6 +30,8 @@ fn a_tree_fits_its_budget_and_uses_it() {
                 let tree = KdTree::build(Arc::clone(&mesh), &options).unwrap();
                 let bytes = tree.memory().tree();
                 let context = format!("{layout:?}, {bytes} of {most}");
+                let is_wide = matches!(tree.encoded(), EncodedTree::Wide { .. });
+                assert_eq!(is_wide, layout == Layout::Wide, "{context}");
                 assert!(bytes <= most && bytes as f64 > 0.75 * most as f64, "{context}");
                 assert_eq!(tree.options().max_tree, None);
                 assert!(tree.options().byte_weight >= options.byte_weight);

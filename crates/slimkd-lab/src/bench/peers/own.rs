@@ -3,7 +3,7 @@
 use super::locked_version;
 use crate::bench::built::{Bytes, Contender, Found, Info, Interface, PIECE, SizeSource, Traced};
 use crate::bench::variant::Variant;
-use slimkd::{BuildOptions, InstructionSet, KdTree, Layout, Ray, Tracer, TriangleMesh};
+use slimkd::{BuildOptions, InstructionSet, KdTree, Layout, Ray, Splits, Tracer, TriangleMesh};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -56,6 +56,7 @@ fn settings(options: &BuildOptions) -> String {
     let leaves = match options.layout {
         Layout::FourByte => "4-byte leaves",
         Layout::TwoByte => "2-byte leaves",
+        Layout::Wide if options.splits == Splits::Space => "wide layout, split by planes alone",
         Layout::Wide => "wide layout",
         _ => "dense layout",
     };

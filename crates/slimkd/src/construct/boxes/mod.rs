@@ -11,27 +11,31 @@ mod grow;
 mod object;
 mod reference;
 mod spatial;
+#[cfg(test)]
+mod tests;
 
 use crate::geometry::Aabb;
 use crate::job::Job;
 use crate::job::memory::with_room;
-use crate::options::BuildError;
-use crate::plan::BoxPlan;
+use crate::options::{BuildError, Splits};
+use crate::plan::BoxForest;
 use grow::Shared;
 use reference::Reference;
 
-/// Parts beyond the first for each triangle, over the whole tree.
+/// Parts beyond the first for each triangle, over the whole tree; and where planes alone divide it.
 const SPARE: f64 = 0.75;
+const SPARE_OF_CELLS: f64 = 3.0;
 
-/// Builds the tree over triangles that can be hit.
+/// Builds the tree over triangles that can be hit. Moves the progress by `share`.
 pub(crate) fn build(
     triangles: &[u32],
     bounds: &Aabb,
-    cuts: bool,
+    share: f64,
     job: &Job<'_>,
-) -> Result<BoxPlan, BuildError> {
+) -> Result<BoxForest, BuildError> {
+    let mut forest = BoxForest::default();
     if triangles.is_empty() {
-        return Ok(BoxPlan::default());
+        return Ok(forest);
     }
     job.memory.take(triangles.len() * size_of::<Reference>())?;
     let mut references = with_room(triangles.len())?;
@@ -40,7 +44,11 @@ pub(crate) fn build(
         job.mesh.corners(id).into_iter().for_each(|corner| bounds.include(corner));
         references.push(Reference::new(&bounds, id));
     }
-    let spare = (SPARE * triangles.len() as f64) as usize;
-    let shared = Shared { job, root_area: bounds.surface_area() / 2.0, cuts };
-    shared.grow(references, spare, 0)?.joined(job)
+    let splits = job.options.splits;
+    let spare = if splits == Splits::Space { SPARE_OF_CELLS } else { SPARE };
+    let spare = (spare * triangles.len() as f64) as usize;
+    let shared =
+        Shared { job, root_area: bounds.surface_area() / 2.0, splits, share: share / triangles.len() as f64 };
+    shared.grow(references, spare, 0)?.append_to(&mut forest)?;
+    Ok(forest)
 }

@@ -2,7 +2,7 @@
 //!
 //! Source: Wald 2007, *On fast Construction of SAH-based Bounding Volume Hierarchies*.
 
-use super::reference::{Box4, Reference};
+use super::reference::{Box4, Grid, Reference};
 
 /// Bins an axis.
 const BINS: usize = 32;
@@ -15,86 +15,89 @@ pub(super) struct ObjectSplit {
     /// Sum over both sides of half the surface area times references.
     pub(super) cost: f64,
     pub(super) axis: usize,
-    /// References whose centre's place is below go left.
-    pub(super) below: f32,
+    pub(super) place: Place,
     pub(super) left: Box4,
     pub(super) right: Box4,
 }
 
-/// The boxes and counts of one axis's bins.
-struct Bins {
-    boxes: [Box4; BINS],
-    counts: [u32; BINS],
+/// Which references go left.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Place {
+    /// Those whose centre's bin is below.
+    Bin(Grid, u32),
+    /// Those whose centre is below, twice.
+    Center(f32),
 }
 
-/// The best division by centres; `None` where all centres are one point. `centers` are the bounds of twice the centres.
-pub(super) fn best(references: &[Reference], centers: &Box4) -> Option<ObjectSplit> {
-    if references.len() <= SWEPT { sweep(references) } else { bin(references, centers) }
+/// The boxes and counts of all axes' bins.
+pub(super) struct Bins {
+    boxes: [[Box4; BINS]; 3],
+    counts: [[u32; BINS]; 3],
 }
 
-/// The bin of a centre.
-#[inline(always)]
-fn bin_of(center: f32, low: f32, scale: f32) -> usize {
-    (((center - low) * scale) as usize).min(BINS - 1)
-}
+impl Bins {
+    pub(super) const EMPTY: Self = Self { boxes: [[Box4::EMPTY; BINS]; 3], counts: [[0; BINS]; 3] };
 
-fn bin(references: &[Reference], centers: &Box4) -> Option<ObjectSplit> {
-    let mut axes = [0, 1, 2].map(|_| Bins { boxes: [Box4::EMPTY; BINS], counts: [0; BINS] });
-    let low = [0, 1, 2].map(|k| centers.min[k]);
-    let scale = [0, 1, 2].map(|k| {
-        let extent = centers.max[k] - centers.min[k];
-        let scale = BINS as f32 * 0.9999 / extent;
-        if extent > 0.0 && scale.is_finite() { scale } else { 0.0 }
-    });
-    for reference in references {
+    pub(super) fn add(&mut self, grid: &Grid, references: &[Reference]) {
+        for reference in references {
+            let bins = grid.bins(&reference.centers());
+            for k in 0..3 {
+                let at = bins[k] as usize % BINS;
+                self.boxes[k][at].include(&reference.0);
+                self.counts[k][at] += 1;
+            }
+        }
+    }
+
+    pub(super) fn join(&mut self, other: &Self) {
         for k in 0..3 {
-            let at = bin_of(reference.center(k), low[k], scale[k]);
-            axes[k].boxes[at].include(&reference.0);
-            axes[k].counts[at] += 1;
-        }
-    }
-    let mut best: Option<ObjectSplit> = None;
-    for (axis, bins) in axes.iter().enumerate().filter(|(axis, _)| scale[*axis] > 0.0) {
-        // From the right, then from the left with the costs of both sides.
-        let mut rights = [(0.0, 0u32); BINS];
-        let (mut right, mut count) = (Box4::EMPTY, 0);
-        for at in (1..BINS).rev() {
-            right.include(&bins.boxes[at]);
-            count += bins.counts[at];
-            rights[at] = (right.half_area(), count);
-        }
-        let (mut left, mut count) = (Box4::EMPTY, 0);
-        for at in 1..BINS {
-            if bins.counts[at - 1] > 0 {
-                left.include(&bins.boxes[at - 1]);
-                count += bins.counts[at - 1];
-            } else if at > 1 {
-                continue; // the same division as the one before
-            }
-            let (area, others) = rights[at];
-            if count == 0 || others == 0 {
-                continue;
-            }
-            let cost = left.half_area() * f64::from(count) + area * f64::from(others);
-            if best.is_none_or(|best| cost < best.cost) {
-                let mut right = Box4::EMPTY;
-                bins.boxes[at..].iter().for_each(|other| right.include(other));
-                best = Some(ObjectSplit { cost, axis, below: at as f32, left, right });
+            for at in 0..BINS {
+                self.boxes[k][at].include(&other.boxes[k][at]);
+                self.counts[k][at] += other.counts[k][at];
             }
         }
     }
-    // Bins become a place among centres: the least centre of the bins on the right.
-    best.map(|split| {
-        let at = split.below as usize;
-        let on_right = references
-            .iter()
-            .map(|reference| reference.center(split.axis))
-            .filter(|&center| bin_of(center, low[split.axis], scale[split.axis]) >= at);
-        ObjectSplit { below: on_right.fold(f32::INFINITY, f32::min), ..split }
-    })
+
+    pub(super) fn grid(centers: &Box4) -> Grid {
+        Grid::new(centers, BINS)
+    }
+
+    /// The best division; `None` where all centres are one point.
+    pub(super) fn best(&self, grid: &Grid) -> Option<ObjectSplit> {
+        let mut best: Option<(f64, usize, usize)> = None;
+        for axis in (0..3).filter(|&axis| grid.has(axis)) {
+            let (boxes, counts) = (&self.boxes[axis], &self.counts[axis]);
+            // From the right, then from the left with the costs of both sides.
+            let mut rights = [0.0; BINS];
+            let (mut right, mut count) = (Box4::EMPTY, 0);
+            for at in (1..BINS).rev() {
+                right.include(&boxes[at]);
+                count += counts[at];
+                rights[at] = right.half_area() * f64::from(count);
+            }
+            let all = count + counts[0];
+            let (mut left, mut count) = (Box4::EMPTY, 0);
+            for at in 1..BINS {
+                left.include(&boxes[at - 1]);
+                count += counts[at - 1];
+                let cost = left.half_area() * f64::from(count) + rights[at];
+                // An empty bin does not make another division.
+                if counts[at - 1] > 0 && count < all && best.is_none_or(|(best, ..)| cost < best) {
+                    best = Some((cost, axis, at));
+                }
+            }
+        }
+        best.map(|(cost, axis, at)| {
+            let (mut left, mut right) = (Box4::EMPTY, Box4::EMPTY);
+            self.boxes[axis][..at].iter().for_each(|part| left.include(part));
+            self.boxes[axis][at..].iter().for_each(|part| right.include(part));
+            ObjectSplit { cost, axis, place: Place::Bin(*grid, at as u32), left, right }
+        })
+    }
 }
 
-fn sweep(references: &[Reference]) -> Option<ObjectSplit> {
+/// The best division of at most [`SWEPT`] references.
+pub(super) fn sweep(references: &[Reference]) -> Option<ObjectSplit> {
     let count = references.len();
     let mut best: Option<ObjectSplit> = None;
     for axis in 0..3 {
@@ -126,7 +129,7 @@ fn sweep(references: &[Reference]) -> Option<ObjectSplit> {
             }
             let cost = left.half_area() * at as f64 + rights[at].half_area() * (count - at) as f64;
             if best.is_none_or(|best| cost < best.cost) {
-                best = Some(ObjectSplit { cost, axis, below, left, right: rights[at] });
+                best = Some(ObjectSplit { cost, axis, place: Place::Center(below), left, right: rights[at] });
             }
         }
     }

@@ -18,7 +18,7 @@ mod validate;
 mod view;
 
 pub(crate) use checked::CheckedWide;
-pub(crate) use encode::{encode, holds, size};
+pub(crate) use encode::{encode, holds, least_size, size};
 use encode::{fits, grid};
 pub(crate) use leaf::LeafCode;
 pub(crate) use node::{LANES, STEP_BITS, WideNode};
