@@ -1,7 +1,8 @@
 //! AVX-512 (F, BW, DQ, VL): 16 lanes, masks in registers of their own.
 
 use super::macros::{methods, operators, vectors};
-use super::{Shear, Simd, lane_at, load_row, load_two};
+use super::{Quad, Shear, Simd, lane_at, load_row, load_two};
+use crate::geometry::estimate::{DISTANCE, LEAST_REACH, LEAST_SCALE, LEAST_SUM, MOST_SCALE, SIGN};
 use std::arch::x86_64::*;
 
 const WIDTH: usize = 16;
@@ -45,6 +46,7 @@ impl Simd for Avx512 {
     type F = F32;
     type D = F64;
     type U = U32;
+    type Frame = Frame;
     type M = Bits;
 
     methods! {
@@ -61,6 +63,12 @@ impl Simd for Avx512 {
         smaller(a: F32, b: F32) -> F32 = F32(_mm512_min_ps(a.0, b.0));
         least(x: F32) -> f32 = _mm512_reduce_min_ps(x.0);
         most(x: F32) -> f32 = _mm512_reduce_max_ps(x.0);
+        later(a: F32, b: F32) -> F32 =
+            F32(_mm512_castsi512_ps(_mm512_max_epi32(_mm512_castps_si512(a.0), _mm512_castps_si512(b.0))));
+        sooner(a: F32, b: F32) -> F32 =
+            F32(_mm512_castsi512_ps(_mm512_min_epi32(_mm512_castps_si512(a.0), _mm512_castps_si512(b.0))));
+        not_after(a: F32, b: F32) -> Bits =
+            Bits(_mm512_cmple_epi32_mask(_mm512_castps_si512(a.0), _mm512_castps_si512(b.0)));
         abs(x: F32) -> F32 = F32(_mm512_abs_ps(x.0));
 
         lt(a: F32, b: F32) -> Bits = Bits(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a.0, b.0));
@@ -116,16 +124,32 @@ impl Simd for Avx512 {
         unsafe { F32(_mm512_fmadd_ps(a.0, b.0, c.0)) }
     }
     #[inline(always)]
-    unsafe fn quad(self, shear: &Shear, corners: &[[*const [f32; 3]; 3]; 4]) -> u32 {
+    fn frame(self, shear: &Shear) -> Frame {
+        let [kx, ky, kz] = shear.axes;
+        let [ox, oy, oz] = shear.origin;
+        // SAFETY: the token proves the instructions.
+        unsafe {
+            Frame {
+                axes: _mm512_broadcast_i32x4(_mm_setr_epi32(kx as i32, ky as i32, kz as i32, 3)),
+                origin: _mm512_broadcast_f32x4(_mm_setr_ps(ox, oy, oz, 0.0)),
+                slope: _mm512_broadcast_f32x4(_mm_setr_ps(shear.slope[0], shear.slope[1], 0.0, 0.0)),
+                along: _mm512_set1_ps(shear.along as f32),
+            }
+        }
+    }
+    #[inline(always)]
+    unsafe fn quad(
+        self,
+        frame: &Frame,
+        corners: &[[*const [f32; 3]; 3]; 4],
+        limit: f32,
+        quad: &mut Quad,
+    ) -> u32 {
         // SAFETY: the token proves the instructions; the masks read three f32 of each corner.
         unsafe {
-            // Corner `k` of four triangles, each in its own quarter: x, y, z of the ray's frame, nothing. Macros, since closures fall out
-            // of the inline chain.
-            let [kx, ky, kz] = shear.axes;
-            let frame = _mm512_broadcast_i32x4(_mm_setr_epi32(kx as i32, ky as i32, kz as i32, 3));
-            let origin =
-                _mm512_broadcast_f32x4(_mm_setr_ps(shear.origin[0], shear.origin[1], shear.origin[2], 0.0));
-            let slope = _mm512_broadcast_f32x4(_mm_setr_ps(shear.slope[0], shear.slope[1], 0.0, 0.0));
+            // 1. Corner `k` of four triangles, each in its own quarter: x, y, z of the ray's frame, nothing. Macros, since closures fall out
+            //    of the inline chain.
+            let &Frame { axes, origin, slope, along } = frame;
             macro_rules! three {
                 ($k:literal, $at:literal) => {
                     _mm_maskz_loadu_ps(0b0111, corners[$at][$k].cast())
@@ -137,22 +161,69 @@ impl Simd for Avx512 {
                     let row = _mm512_insertf32x4::<1>(row, three!($k, 1));
                     let row = _mm512_insertf32x4::<2>(row, three!($k, 2));
                     let row = _mm512_insertf32x4::<3>(row, three!($k, 3));
-                    let row = _mm512_permutevar_ps(_mm512_sub_ps(row, origin), frame);
-                    _mm512_sub_ps(row, _mm512_mul_ps(slope, _mm512_permute_ps::<0b10_10_10_10>(row)))
+                    let row = _mm512_permutevar_ps(_mm512_sub_ps(row, origin), axes);
+                    let z = _mm512_permute_ps::<0b10_10_10_10>(row);
+                    (_mm512_sub_ps(row, _mm512_mul_ps(slope, z)), z)
                 }};
             }
-            let (a, b, c) = (row!(0), row!(1), row!(2));
-            // (px·qy, py·qx): the edge function is their difference, and its sign theirs in order.
-            macro_rules! below {
+            let ((a, az), (b, bz), (c, cz)) = (row!(0), row!(1), row!(2));
+            // 2. (px·qy, py·qx), and the other way round: the edge function is their difference, and its sign theirs in order.
+            macro_rules! products {
                 ($p:ident, $q:ident) => {{
                     let product = _mm512_mul_ps($p, _mm512_permute_ps::<0b11_10_00_01>($q));
-                    _mm512_cmp_ps_mask::<_CMP_LT_OQ>(product, _mm512_permute_ps::<0b11_10_00_01>(product))
+                    (product, _mm512_permute_ps::<0b11_10_00_01>(product))
                 }};
             }
-            let signs = u32::from(below!(c, b) | below!(a, c) | below!(b, a));
+            let ((u, u2), (v, v2), (w, w2)) = (products!(c, b), products!(a, c), products!(b, a));
+            macro_rules! below {
+                ($p:ident, $q:ident) => {
+                    u32::from(_mm512_cmp_ps_mask::<_CMP_LT_OQ>($p, $q))
+                };
+            }
+            let signs = below!(u, u2) | below!(v, v2) | below!(w, w2);
             // A triangle is missed where both of its bits are set: some edge function is negative, and some positive.
-            let missed = signs & signs >> 1 & 0x1111;
-            !(missed | missed >> 3 | missed >> 6 | missed >> 9) & 0xf
+            let may_hit = !(signs & signs >> 1) & 0x1111;
+            if may_hit == 0 {
+                return 0;
+            }
+            // 3. What `Shear::estimate` finds of a triangle, in the first lane of its quarter.
+            let sum = _mm512_add_ps(_mm512_add_ps(_mm512_abs_ps(u), _mm512_abs_ps(v)), _mm512_abs_ps(w));
+            let sum = _mm512_add_ps(sum, _mm512_permute_ps::<0b11_10_00_01>(sum));
+            let reach = _mm512_max_ps(_mm512_max_ps(_mm512_abs_ps(az), _mm512_abs_ps(bz)), _mm512_abs_ps(cz));
+            let (u, v, w) = (_mm512_sub_ps(u, u2), _mm512_sub_ps(v, v2), _mm512_sub_ps(w, w2));
+            let distance = _mm512_add_ps(
+                _mm512_add_ps(_mm512_mul_ps(u, az), _mm512_mul_ps(v, bz)),
+                _mm512_mul_ps(w, cz),
+            );
+            let scale = _mm512_mul_ps(_mm512_add_ps(_mm512_add_ps(u, v), w), along);
+            let sign = _mm512_and_ps(scale, _mm512_set1_ps(-0.0));
+            let (distance, scale) = (_mm512_xor_ps(distance, sign), _mm512_xor_ps(scale, sign));
+            let error = _mm512_mul_ps(_mm512_mul_ps(sum, reach), _mm512_set1_ps(DISTANCE));
+            let least = _mm512_mul_ps(sum, _mm512_set1_ps(SIGN));
+            let (low, high) = (_mm512_min_ps(_mm512_min_ps(u, v), w), _mm512_max_ps(_mm512_max_ps(u, v), w));
+            let negative = _mm512_xor_ps(high, _mm512_set1_ps(-0.0));
+            macro_rules! at_least {
+                ($p:expr, $q:expr) => {
+                    u32::from(_mm512_cmp_ps_mask::<_CMP_GE_OQ>($p, $q))
+                };
+            }
+            let sure = (below!(least, low) | below!(least, negative))
+                & at_least!(sum, _mm512_set1_ps(LEAST_SUM))
+                & at_least!(reach, _mm512_set1_ps(LEAST_REACH))
+                & at_least!(scale, _mm512_set1_ps(LEAST_SCALE))
+                & at_least!(_mm512_set1_ps(MOST_SCALE), scale)
+                & at_least!(_mm512_set1_ps(MOST_SCALE), error);
+            let (end, nearest) =
+                (_mm512_mul_ps(_mm512_set1_ps(limit), scale), _mm512_sub_ps(distance, error));
+            let candidates = may_hit & !(sure & below!(end, nearest));
+            if candidates == 0 {
+                return 0;
+            }
+            _mm512_store_ps(quad.distance.as_mut_ptr(), distance);
+            _mm512_store_ps(quad.scale.as_mut_ptr(), scale);
+            _mm512_store_ps(quad.error.as_mut_ptr(), error);
+            quad.sure = _pext_u32(sure, 0x1111);
+            _pext_u32(candidates, 0x1111)
         }
     }
 
@@ -248,6 +319,15 @@ impl Simd for Avx512 {
             F32(_mm512_permutex2var_ps(a, index.0, b))
         }
     }
+}
+
+/// A ray's frame: axes that play x, y and z, the origin, and the slopes, in each quarter; `along` everywhere.
+#[derive(Clone, Copy)]
+pub(crate) struct Frame {
+    axes: __m512i,
+    origin: __m512,
+    slope: __m512,
+    along: __m512,
 }
 
 #[inline(always)]

@@ -84,13 +84,13 @@ impl PreparedRay {
 
     /// [`PreparedRay::new`] for a ray whose start was moved by as much per axis at most: slabs are wider by twice that on both sides
     /// (`exact.rs`).
-    #[inline]
+    #[inline(always)]
     pub(crate) fn moved(ray: &Ray, moved: f32, bounds: &Aabb, planes: &Planes) -> Option<Self> {
         if !ray.is_valid() || bounds.is_empty() {
             return None;
         }
         // 1. Scale the direction to a length near 1 (deviation 3).
-        let shear = Shear::new(ray.origin, ray.direction);
+        let shear = Shear::new(ray.origin, &ray.direction);
         let longest = ray.direction[shear.axes[2]].abs();
         let scale = power_of_two_below(longest);
         // 2. `reach` becomes 4M, from which the slack follows (deviations 1 and 4).

@@ -33,11 +33,7 @@ impl Walk for KdTree {
             if let Some(prepared) = PreparedRay::new(ray, &self.bounds, &nodes.planes()) {
                 traverse(nodes, self.depth, &prepared, sink);
             }
-        }, wide => {
-            if let Some(ray) = PreparedRay::new(ray, &self.bounds, wide.grid()) {
-                WideWalk { tree: self.traced(wide), ray: &ray, sink }.run_best();
-            }
-        });
+        }, wide => WideWalk { tree: self.traced(wide), ray, sink }.run_best());
     }
 
     fn walk_exact(&self, query: &mut ExactQuery<'_>) {

@@ -11,9 +11,12 @@
 //!    So the near side of every such box is at most t, and its far side at least t, and no lane that holds the triangle is passed over.
 //! 2. Rays whose widths are beyond 2¹⁰⁰, or that begin before t = 0, take [`walk_in_f64`], with f64: no value above can
 //!    overflow, and distances order as their bits do.
+//!    They are compared as integers: a box that a hit needs has its far side above 0, by what is left of the width.
 //! 3. Pending children are kept with the distance at which the ray enters them, the lane in its four lowest bits: that is lower than
 //!    the true distance, so nothing is dropped too early. Any-hit rays keep the lanes alone, and take them in their order.
-//! 4. Four triangles are tested at once ([`Simd::quad`]). Those that may be hit are decided by [`Shear::decide`], as everywhere.
+//! 4. Four triangles are tested at once ([`Simd::quad`]). Of those that may be hit, f32 says how far at least and at most the hit is
+//!    (`geometry/estimate.rs` has the bound and its proof). [`Shear::decide`] alone finds hits, in f64, but it is asked only for hits that
+//!    f32 cannot order, and once at the end ([`Sink::consider`], [`Sink::settle`]).
 //!
 //! [`Shear::decide`]: crate::geometry::Shear::decide
 
@@ -48,18 +51,19 @@ struct ByLanes<V>(V);
 impl<V: Simd> Way for ByLanes<V> {
     #[inline(always)]
     fn walk(&self, tree: &Traced<'_, WideView<'_>>, ray: &PreparedRay, sink: &mut impl Sink) {
-        let &Traced { nodes, depth, .. } = tree;
+        // By reference: a copy of what was just written would keep the processor waiting for it.
+        let Traced { nodes, depth, .. } = tree;
         let plain = ray.enter >= 0.0
             && ray.slack[0] < MOST_WIDTH
             && ray.slack[1] < MOST_WIDTH
             && ray.slack[2] < MOST_WIDTH;
         if !plain {
-            return walk_in_f64(nodes, ray, sink);
+            return walk_in_f64(*nodes, ray, sink);
         }
-        if (depth as usize) < SMALL_DEPTH {
+        if (*depth as usize) < SMALL_DEPTH {
             Walk::new(self.0, nodes, ray).run(sink, &mut [MaybeUninit::uninit(); SMALL_DEPTH * WAITING]);
         } else {
-            let mut stack = vec![MaybeUninit::uninit(); (depth as usize + 1) * WAITING];
+            let mut stack = vec![MaybeUninit::uninit(); (*depth as usize + 1) * WAITING];
             Walk::new(self.0, nodes, ray).run(sink, &mut stack);
         }
     }
@@ -77,7 +81,7 @@ impl Way for Exactly {
 /// One ray through a tree.
 pub(crate) struct WideWalk<'a, S> {
     pub(crate) tree: Traced<'a, WideView<'a>>,
-    pub(crate) ray: &'a PreparedRay,
+    pub(crate) ray: &'a Ray,
     pub(crate) sink: &'a mut S,
 }
 
@@ -85,8 +89,10 @@ impl<S: Sink> WideWalk<'_, S> {
     /// With the best instructions; a walk that is measured, with the same ones everywhere.
     pub(crate) fn run_best(self) {
         let Self { tree, ray, sink } = self;
-        if S::MEASURED || InstructionSet::run_best(WideWalk { tree, ray, sink: &mut *sink }).is_none() {
-            Exactly.walk(&tree, ray, sink);
+        if (S::MEASURED || InstructionSet::run_best(WideWalk { tree, ray, sink: &mut *sink }).is_none())
+            && let Some(prepared) = PreparedRay::new(ray, tree.bounds, tree.nodes.grid())
+        {
+            Exactly.walk(&tree, &prepared, sink);
         }
     }
 }
@@ -96,7 +102,10 @@ impl<S: Sink> Kernel for WideWalk<'_, S> {
 
     #[inline(always)]
     fn run<V: Simd>(self, s: V) {
-        ByLanes(s).walk(&self.tree, self.ray, self.sink);
+        // Inside the kernel, so that it is prepared with the same instructions.
+        if let Some(prepared) = PreparedRay::moved(self.ray, 0.0, self.tree.bounds, self.tree.nodes.grid()) {
+            ByLanes(s).walk(&self.tree, &prepared, self.sink);
+        }
     }
 }
 
