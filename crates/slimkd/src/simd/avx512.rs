@@ -1,7 +1,7 @@
 //! AVX-512 (F, BW, DQ, VL): 16 lanes, masks in registers of their own.
 
 use super::macros::{methods, operators, vectors};
-use super::{Quad, Shear, Simd, lane_at, load_row, load_two};
+use super::{Quad, Shear, Simd, lane_at, load_row, load_two, order};
 use crate::geometry::estimate::{DISTANCE, LEAST_REACH, LEAST_SCALE, LEAST_SUM, MOST_SCALE, SIGN};
 use std::arch::x86_64::*;
 
@@ -125,14 +125,16 @@ impl Simd for Avx512 {
     }
     #[inline(always)]
     fn frame(self, shear: &Shear) -> Frame {
-        let [kx, ky, kz] = shear.axes;
         let [ox, oy, oz] = shear.origin;
         // SAFETY: the token proves the instructions.
         unsafe {
             Frame {
-                axes: _mm512_broadcast_i32x4(_mm_setr_epi32(kx as i32, ky as i32, kz as i32, 3)),
+                axes: _mm512_broadcast_i32x4(_mm_loadu_si128(AXES[shear.axes[2]].as_ptr().cast())),
                 origin: _mm512_broadcast_f32x4(_mm_setr_ps(ox, oy, oz, 0.0)),
-                slope: _mm512_broadcast_f32x4(_mm_setr_ps(shear.slope[0], shear.slope[1], 0.0, 0.0)),
+                slope: _mm512_maskz_broadcast_f32x2(
+                    0x3333,
+                    _mm_setr_ps(shear.slope[0], shear.slope[1], 0.0, 0.0),
+                ),
                 along: _mm512_set1_ps(shear.along as f32),
             }
         }
@@ -259,6 +261,41 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
+    unsafe fn least_and_others(self, mask: u32, keys: U32, tag: u32, others: *mut [u32; 2]) -> u32 {
+        let count = mask.count_ones() as usize;
+        if count > 4 {
+            let mut packed = [0; WIDTH];
+            self.compress(Bits(mask as u16), keys, &mut packed);
+            // SAFETY: the caller's promise.
+            return unsafe { order::least_and_others(&mut packed, count, tag, others) };
+        }
+        // SAFETY: the token proves the instructions; four pairs are written.
+        unsafe {
+            let none = _mm512_set1_epi32(-1);
+            let keys = _mm512_castsi512_si128(_mm512_mask_compress_epi32(none, mask as u16, keys.0));
+            // The least by itself, as walks wait for it alone.
+            let least = _mm_min_epu32(keys, _mm_shuffle_epi32::<0b01_00_11_10>(keys));
+            let least = _mm_min_epu32(least, _mm_shuffle_epi32::<0b10_11_00_01>(least));
+            // A network for four, ascending: neighbours, then every second one, then the middle.
+            macro_rules! exchange {
+                ($keys:ident, $order:literal, $larger:literal) => {{
+                    let other = _mm_shuffle_epi32::<$order>($keys);
+                    _mm_blend_epi32::<$larger>(_mm_min_epu32($keys, other), _mm_max_epu32($keys, other))
+                }};
+            }
+            let keys = exchange!(keys, 0b10_11_00_01, 0b1010);
+            let keys = exchange!(keys, 0b01_00_11_10, 0b1100);
+            let keys = exchange!(keys, 0b11_01_10_00, 0b0100);
+            let descending = _mm_loadu_si128(DESCENDING[count].as_ptr().cast());
+            let keys = _mm_castps_si128(_mm_permutevar_ps(_mm_castsi128_ps(keys), descending));
+            let tags = _mm_set1_epi32(tag as i32);
+            _mm_storeu_si128(others.cast(), _mm_unpacklo_epi32(keys, tags));
+            _mm_storeu_si128(others.add(2).cast(), _mm_unpackhi_epi32(keys, tags));
+            _mm_cvtsi128_si32(least) as u32
+        }
+    }
+
+    #[inline(always)]
     unsafe fn gather<const SCALE: i32>(self, base: *const u8, index: U32) -> F32 {
         // SAFETY: the token proves the instructions; the caller vouches for the addresses.
         unsafe { F32(_mm512_i32gather_ps::<SCALE>(index.0, base.cast())) }
@@ -320,6 +357,12 @@ impl Simd for Avx512 {
         }
     }
 }
+
+/// Which of four ascending keys follow each other where only so many are keys, without the first: from the greatest on.
+const DESCENDING: [[u32; 4]; 5] = [[0; 4], [0; 4], [1, 0, 0, 0], [2, 1, 0, 0], [3, 2, 1, 0]];
+
+/// Axes that play x, y and z, by the last one of them.
+const AXES: [[u32; 4]; 3] = [[1, 2, 0, 3], [2, 0, 1, 3], [0, 1, 2, 3]];
 
 /// A ray's frame: axes that play x, y and z, the origin, and the slopes, in each quarter; `along` everywhere.
 #[derive(Clone, Copy)]

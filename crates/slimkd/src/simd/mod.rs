@@ -11,9 +11,11 @@
 //!    arrays, is the oracle of the tests; rays go one by one where there are no vectors.
 //! 4. Kernels see 16 lanes at every level: AVX2 is [`Twice`] 8 of them, SSE2 and NEON twice twice 4.
 
+mod four;
 mod level;
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 mod macros;
+mod order;
 #[cfg(test)]
 mod scalar;
 #[cfg(test)]
@@ -31,6 +33,7 @@ mod sse2;
 
 pub use level::{InstructionSet, UnknownInstructionSet};
 
+pub(crate) use four::Four;
 pub(crate) use level::Kernel;
 #[cfg(test)]
 pub(crate) use scalar::Scalar;
@@ -215,6 +218,19 @@ pub(crate) trait Simd: Copy + Send + Sync + 'static {
     /// The lanes that the mask names, packed to the front of `to`; returns how many. What follows them in the first
     /// `WIDTH` entries is overwritten with anything. Panics when `to` is shorter than that.
     fn compress(self, mask: Self::M, x: Self::U, to: &mut [u32]) -> usize;
+
+    /// Takes the keys of the lanes that `mask` names, two or more, all below 2³¹. Returns the least, and writes the others
+    /// to `others`, each with `tag` behind it, the greatest first. What follows them there is overwritten with anything.
+    ///
+    /// # Safety
+    /// There must be room for 16 pairs.
+    #[inline(always)]
+    unsafe fn least_and_others(self, mask: u32, keys: Self::U, tag: u32, others: *mut [u32; 2]) -> u32 {
+        let mut packed = [0; 16];
+        let count = self.compress(self.mask(mask), keys, &mut packed);
+        // SAFETY: the caller's promise.
+        unsafe { order::least_and_others(&mut packed, count, tag, others) }
+    }
 
     /// The f32 at `base + index · SCALE` bytes, each lane its own. Any alignment.
     ///

@@ -1,7 +1,7 @@
 //! The walk with vectors. The head of `mod.rs` says why it loses no hit.
 
 use crate::layout::{Address, Ids, LANES, STEP_BITS, WideNode, WideView};
-use crate::simd::{Quad, Simd};
+use crate::simd::{Four, Quad, Simd};
 use crate::traverse::counters::count;
 use crate::traverse::prepared::PreparedRay;
 use crate::traverse::sink::{Corners, Sink};
@@ -11,13 +11,8 @@ use std::mem::MaybeUninit;
 /// Children of a node that wait at most.
 pub(super) const WAITING: usize = LANES - 1;
 
-/// Children that wait: their node, and a child's distance with its lane, or lanes.
-#[derive(Clone, Copy)]
-#[repr(align(8))]
-pub(super) struct Waiting {
-    key: u32,
-    node: Address,
-}
+/// Children that wait: a child's distance with its lane, or lanes; and the address of their node.
+pub(super) type Waiting = [u32; 2];
 
 /// What stays the same along a ray.
 pub(super) struct Walk<'a, V: Simd> {
@@ -37,15 +32,16 @@ pub(super) struct Walk<'a, V: Simd> {
 impl<'a, V: Simd> Walk<'a, V> {
     #[inline(always)]
     pub(super) fn new(s: V, nodes: &'a WideView<'a>, ray: &'a PreparedRay) -> Self {
+        let (slack, distance) = (Four::new(ray.slack), Four::new(ray.plane_origin) * Four::new(ray.inverse));
+        let starts = (Four::all(0.0) - distance - slack).lanes();
+        let ends = (Four::all(0.0) - distance + slack).lanes();
         let (zero, mut first, mut last) = (s.f32s(0.0), [0; 3], [0; 3]);
         let (mut inverse, mut near, mut far) = ([zero; 3], [zero; 3], [zero; 3]);
         // Loops, since closures that are handed to functions fall out of the inline chain.
         for k in 0..3 {
             let up = (ray.descends[k] & 1) as usize;
             (first[k], last[k]) = (2 * k + up, 2 * k + 1 - up);
-            let origin = -(ray.plane_origin[k] * ray.inverse[k]);
-            inverse[k] = s.f32s(ray.inverse[k]);
-            (near[k], far[k]) = (s.f32s(origin - ray.slack[k]), s.f32s(origin + ray.slack[k]));
+            (inverse[k], near[k], far[k]) = (s.f32s(ray.inverse[k]), s.f32s(starts[k]), s.f32s(ends[k]));
         }
         // The compiler would compute with the one number that all lanes hold, and spread each result: a step a number, where reading it
         // spread from the node costs nothing.
@@ -81,7 +77,7 @@ impl<'a, V: Simd> Walk<'a, V> {
         // −0 would be larger than all other distances, by its bits.
         let enter = s.f32s(ray.enter + 0.0);
         let mut limit = ray.exit;
-        let (mut keys, mut quad) = ([0u32; LANES], Quad::new());
+        let mut quad = Quad::new();
         let lanes = s.load_u32(&[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15]);
         count(|c| (c.rays, c.walks) = (c.rays + 1, c.walks + 1));
         loop {
@@ -99,31 +95,16 @@ impl<'a, V: Simd> Walk<'a, V> {
                 lane = met.trailing_zeros() as usize;
                 if met & (met - 1) != 0 {
                     if S::COHERENT {
-                        stack[top].write(Waiting { node: at, key: met & (met - 1) });
+                        stack[top].write([met & (met - 1), at.get()]);
                         top += 1;
                     } else {
                         let near = (s.cast_u32(near) & s.u32s(!(LANES as u32 - 1))) | lanes;
-                        let met = s.compress(s.mask(met), near, &mut keys);
-                        let nearest = if met > 4 {
-                            order(&mut keys[..met]);
-                            keys[met - 1]
-                        } else {
-                            order_four(&mut keys, met)
+                        debug_assert!(top + LANES <= stack.len());
+                        // SAFETY: a tree of this depth leaves room for all children of a node.
+                        let nearest = unsafe {
+                            s.least_and_others(met, near, at.get(), stack.as_mut_ptr().add(top).cast())
                         };
-                        // Three at least are written: a branch for each would be foreseen too rarely.
-                        debug_assert!(top + WAITING <= stack.len());
-                        for (k, &key) in keys[..3].iter().enumerate() {
-                            // SAFETY: a tree of this depth leaves room for all children of a node.
-                            unsafe { stack.get_unchecked_mut(top + k) }.write(Waiting { node: at, key });
-                        }
-                        if met > 4 {
-                            for k in 3..met - 1 {
-                                // SAFETY: a tree of this depth leaves room for all children of a node.
-                                unsafe { stack.get_unchecked_mut(top + k) }
-                                    .write(Waiting { node: at, key: keys[k] });
-                            }
-                        }
-                        top += met - 1;
+                        top += met.count_ones() as usize - 1;
                         lane = (nearest & (LANES as u32 - 1)) as usize;
                     }
                 }
@@ -135,22 +116,21 @@ impl<'a, V: Simd> Walk<'a, V> {
                         sink.settle(ray, self.corners());
                         return;
                     }
-                    // SAFETY: every entry below the top was written.
-                    let waiting = unsafe { stack[top - 1].assume_init_mut() };
+                    // SAFETY: there is an entry below the top, and it was written.
+                    let waiting = unsafe { stack.get_unchecked_mut(top - 1).assume_init_mut() };
+                    let [key, node] = *waiting;
                     if S::COHERENT {
-                        lane = waiting.key.trailing_zeros() as usize;
-                        at = waiting.node;
-                        waiting.key &= waiting.key - 1;
-                        top -= usize::from(waiting.key == 0);
+                        lane = key.trailing_zeros() as usize;
+                        waiting[0] = key & (key - 1);
+                        top -= usize::from(waiting[0] == 0);
                         found = true;
                     } else {
                         top -= 1;
-                        lane = (waiting.key & (LANES as u32 - 1)) as usize;
-                        at = waiting.node;
-                        found = f32::from_bits(waiting.key & !(LANES as u32 - 1)) <= limit;
+                        lane = (key & (LANES as u32 - 1)) as usize;
+                        found = f32::from_bits(key & !(LANES as u32 - 1)) <= limit;
                     }
                     // SAFETY: a node with waiting children is one of this tree.
-                    from = unsafe { nodes.node(at) };
+                    from = unsafe { nodes.node(Address::new(node)) };
                 }
                 // 3. An inner child is the next node; a leaf's triangles are tested.
                 if lane < from.inner() {
@@ -213,34 +193,4 @@ impl<'a, V: Simd> Walk<'a, V> {
         }
         false
     }
-}
-
-/// Brings keys into descending order.
-#[inline(always)]
-fn order(keys: &mut [u32]) {
-    for i in 1..keys.len() {
-        let key = keys[i];
-        let mut j = i;
-        while j > 0 && keys[j - 1] < key {
-            keys[j] = keys[j - 1];
-            j -= 1;
-        }
-        keys[j] = key;
-    }
-}
-
-/// Brings the first `count` keys into descending order, two to four of them, and returns the least: no branch could be foreseen here.
-#[inline(always)]
-fn order_four(keys: &mut [u32; LANES], count: usize) -> u32 {
-    let [a, b, c, d] = [keys[0], keys[1], keys[2], keys[3]];
-    // Found by itself, as the walk waits for it alone.
-    let least = a.min(b).min(if count > 2 { c } else { a }.min(if count > 3 { d } else { a }));
-    let (c, d) = (if count > 2 { c } else { 0 }, if count > 3 { d } else { 0 });
-    let (a, b) = (a.max(b), a.min(b));
-    let (c, d) = (c.max(d), c.min(d));
-    let (a, c) = (a.max(c), a.min(c));
-    let (b, d) = (b.max(d), b.min(d));
-    let (b, c) = (b.max(c), b.min(c));
-    (keys[0], keys[1], keys[2], keys[3]) = (a, b, c, d);
-    least
 }
