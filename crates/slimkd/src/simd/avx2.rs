@@ -1,7 +1,7 @@
 //! AVX2: 8 lanes, masks as vectors of all ones or zeros.
 
 use super::macros::{methods, operators, vectors};
-use super::{Quad, Shear, Simd, lane_at, load_row, load_two};
+use super::{Intersection, Quad, Shear, Simd, lane_at, load_row, load_two};
 use crate::geometry::estimate::{DISTANCE, LEAST_REACH, LEAST_SCALE, LEAST_SUM, MOST_SCALE, SIGN};
 use std::arch::x86_64::*;
 
@@ -275,6 +275,46 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
+    unsafe fn may_hit(self, shear: &Shear, corners: &[[*const [f32; 3]; 3]; 4]) -> u32 {
+        // SAFETY: the token proves the instructions; the masks read three f32 of each corner.
+        unsafe {
+            // As with AVX-512, but two triangles at a time: each in its own half.
+            let Frame { axes, origin, slope, .. } = self.frame(shear);
+            let three = _mm_setr_epi32(-1, -1, -1, 0);
+            macro_rules! row {
+                ($k:literal, $first:literal) => {{
+                    let row = _mm256_set_m128(
+                        _mm_maskload_ps(corners[$first + 1][$k].cast(), three),
+                        _mm_maskload_ps(corners[$first][$k].cast(), three),
+                    );
+                    let row = _mm256_permutevar_ps(_mm256_sub_ps(row, origin), axes);
+                    _mm256_sub_ps(row, _mm256_mul_ps(slope, _mm256_permute_ps::<0b10_10_10_10>(row)))
+                }};
+            }
+            macro_rules! below {
+                ($p:ident, $q:ident) => {{
+                    let product = _mm256_mul_ps($p, _mm256_permute_ps::<0b11_10_00_01>($q));
+                    _mm256_cmp_ps::<_CMP_LT_OQ>(product, _mm256_permute_ps::<0b11_10_00_01>(product))
+                }};
+            }
+            macro_rules! two {
+                ($first:literal) => {{
+                    let (a, b, c) = (row!(0, $first), row!(1, $first), row!(2, $first));
+                    let signs = _mm256_or_ps(_mm256_or_ps(below!(c, b), below!(a, c)), below!(b, a));
+                    let signs = _mm256_movemask_ps(signs) as u32;
+                    !(signs & signs >> 1) & 0x11
+                }};
+            }
+            _pext_u32(two!(0) | two!(2) << 8, 0x1111)
+        }
+    }
+    #[inline(always)]
+    unsafe fn decide(self, shear: &Shear, corners: [*const [f32; 3]; 3]) -> Option<Intersection> {
+        // SAFETY: the token proves AVX2; the caller vouches for the corners.
+        unsafe { decide_by_lanes(shear, corners) }
+    }
+
+    #[inline(always)]
     fn compress(self, mask: Mask, x: U32, to: &mut [u32]) -> usize {
         let to = &mut to[..WIDTH];
         let bits = self.bits(mask);
@@ -362,6 +402,66 @@ impl Simd for Avx2 {
             let low = _mm256_blendv_ps(eight[0], eight[1], third);
             let high = _mm256_blendv_ps(eight[2], eight[3], third);
             F32(_mm256_blendv_ps(low, high, fourth))
+        }
+    }
+}
+
+/// [`Shear::decide`] with the three corners side by side: the same operations, so the same bits.
+///
+/// # Safety
+/// The processor must have AVX2, and every pointer must be that of a corner: three f32.
+#[inline(always)]
+pub(super) unsafe fn decide_by_lanes(shear: &Shear, corners: [*const [f32; 3]; 3]) -> Option<Intersection> {
+    // SAFETY: the caller's promise; axes are below 3.
+    unsafe {
+        let [a, b, c] = [corners[0].cast::<f32>(), corners[1].cast::<f32>(), corners[2].cast::<f32>()];
+        let [kx, ky, kz] = shear.axes;
+        // Macros, since closures fall out of the inline chain.
+        macro_rules! from_origin {
+            ($k:ident) => {
+                _mm_sub_ps(
+                    _mm_setr_ps(*a.add($k), *b.add($k), *c.add($k), 0.0),
+                    _mm_set1_ps(*shear.origin.get_unchecked($k)),
+                )
+            };
+        }
+        let z = from_origin!(kz);
+        let x = _mm_sub_ps(from_origin!(kx), _mm_mul_ps(_mm_set1_ps(shear.slope[0]), z));
+        let y = _mm_sub_ps(from_origin!(ky), _mm_mul_ps(_mm_set1_ps(shear.slope[1]), z));
+        let (x, y, z) = (_mm256_cvtps_pd(x), _mm256_cvtps_pd(y), _mm256_cvtps_pd(z));
+        // Each corner with the next one: w, u, v, and nothing in the fourth lane.
+        const NEXT: i32 = 0b11_00_10_01;
+        let (next_x, next_y) = (_mm256_permute4x64_pd::<NEXT>(x), _mm256_permute4x64_pd::<NEXT>(y));
+        let edges = _mm256_sub_pd(_mm256_mul_pd(next_x, y), _mm256_mul_pd(next_y, x));
+        let zero = _mm256_setzero_pd();
+        let below = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(edges, zero)) & 0b111;
+        let above = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(zero, edges)) & 0b111;
+        if below != 0 && above != 0 {
+            return None;
+        }
+        // u, v, w, and what they weigh.
+        let edges = _mm256_permute4x64_pd::<NEXT>(edges);
+        let parts = _mm256_mul_pd(edges, z);
+        macro_rules! three {
+            ($from:ident) => {{
+                let low = _mm256_castpd256_pd128($from);
+                let high = _mm256_extractf128_pd::<1>($from);
+                (_mm_cvtsd_f64(low), _mm_cvtsd_f64(_mm_unpackhi_pd(low, low)), _mm_cvtsd_f64(high))
+            }};
+        }
+        let (u, v, w) = three!(edges);
+        let det = u + v + w;
+        if det == 0.0 {
+            return None;
+        }
+        let (at_a, at_b, at_c) = three!(parts);
+        let per_along = 1.0 / (det * shear.along);
+        let t = ((at_a + at_b + at_c) * per_along) as f32;
+        let per_det = shear.along * per_along;
+        if t.is_nan() {
+            None
+        } else {
+            Some(Intersection { t, u: (v * per_det) as f32, v: (w * per_det) as f32 })
         }
     }
 }

@@ -1,7 +1,8 @@
 //! AVX-512 (F, BW, DQ, VL): 16 lanes, masks in registers of their own.
 
+use super::avx2::decide_by_lanes;
 use super::macros::{methods, operators, vectors};
-use super::{Quad, Shear, Simd, lane_at, load_row, load_two, order};
+use super::{Intersection, Quad, Shear, Simd, lane_at, load_row, load_two, order};
 use crate::geometry::estimate::{DISTANCE, LEAST_REACH, LEAST_SCALE, LEAST_SUM, MOST_SCALE, SIGN};
 use std::arch::x86_64::*;
 
@@ -227,6 +228,53 @@ impl Simd for Avx512 {
             quad.sure = _pext_u32(sure, 0x1111);
             _pext_u32(candidates, 0x1111)
         }
+    }
+
+    #[inline(always)]
+    unsafe fn may_hit(self, shear: &Shear, corners: &[[*const [f32; 3]; 3]; 4]) -> u32 {
+        // SAFETY: the token proves the instructions; the masks read three f32 of each corner.
+        unsafe {
+            // Corner `k` of four triangles, each in its own quarter: x, y, z of the ray's frame, nothing. Macros, since closures fall out
+            // of the inline chain.
+            let [kx, ky, kz] = shear.axes;
+            let frame = _mm512_broadcast_i32x4(_mm_setr_epi32(kx as i32, ky as i32, kz as i32, 3));
+            let origin =
+                _mm512_broadcast_f32x4(_mm_setr_ps(shear.origin[0], shear.origin[1], shear.origin[2], 0.0));
+            let slope = _mm512_broadcast_f32x4(_mm_setr_ps(shear.slope[0], shear.slope[1], 0.0, 0.0));
+            macro_rules! three {
+                ($k:literal, $at:literal) => {
+                    _mm_maskz_loadu_ps(0b0111, corners[$at][$k].cast())
+                };
+            }
+            macro_rules! row {
+                ($k:literal) => {{
+                    let row = _mm512_castps128_ps512(three!($k, 0));
+                    let row = _mm512_insertf32x4::<1>(row, three!($k, 1));
+                    let row = _mm512_insertf32x4::<2>(row, three!($k, 2));
+                    let row = _mm512_insertf32x4::<3>(row, three!($k, 3));
+                    let row = _mm512_permutevar_ps(_mm512_sub_ps(row, origin), frame);
+                    _mm512_sub_ps(row, _mm512_mul_ps(slope, _mm512_permute_ps::<0b10_10_10_10>(row)))
+                }};
+            }
+            let (a, b, c) = (row!(0), row!(1), row!(2));
+            // (px·qy, py·qx): the edge function is their difference, and its sign theirs in order.
+            macro_rules! below {
+                ($p:ident, $q:ident) => {{
+                    let product = _mm512_mul_ps($p, _mm512_permute_ps::<0b11_10_00_01>($q));
+                    _mm512_cmp_ps_mask::<_CMP_LT_OQ>(product, _mm512_permute_ps::<0b11_10_00_01>(product))
+                }};
+            }
+            let signs = u32::from(below!(c, b) | below!(a, c) | below!(b, a));
+            // A triangle is missed where both of its bits are set: some edge function is negative, and some positive.
+            let missed = signs & signs >> 1 & 0x1111;
+            !(missed | missed >> 3 | missed >> 6 | missed >> 9) & 0xf
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn decide(self, shear: &Shear, corners: [*const [f32; 3]; 3]) -> Option<Intersection> {
+        // SAFETY: the token proves AVX2; the caller vouches for the corners.
+        unsafe { decide_by_lanes(shear, corners) }
     }
 
     #[inline(always)]

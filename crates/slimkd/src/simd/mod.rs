@@ -44,7 +44,7 @@ pub(crate) use neon::Neon;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use {avx2::Avx2, avx512::Avx512, sse2::Sse2};
 
-use crate::geometry::{Estimate, Shear};
+use crate::geometry::{Estimate, Intersection, Shear};
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Shl, Shr, Sub};
 
 /// Proof that the processor has an instruction set, and its operations on vectors of [`Simd::WIDTH`] lanes.
@@ -130,6 +130,31 @@ pub(crate) trait Simd: Copy + Send + Sync + 'static {
         limit: f32,
         quad: &mut Quad,
     ) -> u32;
+
+    /// Which of four triangles a ray may hit, a bit each, decided as [`Shear::may_hit`] does: [`Simd::quad`] without what it says besides, for streams,
+    /// where f64 soon costs less than that.
+    ///
+    /// # Safety
+    /// Every pointer must be that of a corner: three f32.
+    #[inline(always)]
+    unsafe fn may_hit(self, shear: &Shear, corners: &[[*const [f32; 3]; 3]; 4]) -> u32 {
+        let mut hits = 0;
+        for (k, &[a, b, c]) in corners.iter().enumerate() {
+            // SAFETY: the caller's promise.
+            let corners = unsafe { [*a, *b, *c] };
+            hits |= u32::from(shear.may_hit(&corners)) << k;
+        }
+        hits
+    }
+    /// [`Shear::decide`] of a triangle whose corners stand here.
+    ///
+    /// # Safety
+    /// Every pointer must be that of a corner: three f32.
+    #[inline(always)]
+    unsafe fn decide(self, shear: &Shear, [a, b, c]: [*const [f32; 3]; 3]) -> Option<Intersection> {
+        // SAFETY: the caller's promise.
+        shear.decide(&unsafe { [*a, *b, *c] })
+    }
 
     /// `a` where it is the larger, else `b`: as `prepared::larger`, so a NaN in `a` is passed over.
     fn larger(self, a: Self::F, b: Self::F) -> Self::F;

@@ -1,6 +1,6 @@
 //! Two vectors as one of twice the width.
 
-use super::{Quad, Shear, Simd};
+use super::{Intersection, Quad, Shear, Simd};
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Shl, Shr, Sub};
 
 /// Twice as many lanes: the lower half first.
@@ -129,6 +129,16 @@ impl<S: Simd> Simd for Twice<S> {
     ) -> u32 {
         // SAFETY: the caller's promise.
         unsafe { self.0.quad(frame, corners, limit, quad) }
+    }
+    #[inline(always)]
+    unsafe fn may_hit(self, shear: &Shear, corners: &[[*const [f32; 3]; 3]; 4]) -> u32 {
+        // SAFETY: the caller's promise.
+        unsafe { self.0.may_hit(shear, corners) }
+    }
+    #[inline(always)]
+    unsafe fn decide(self, shear: &Shear, corners: [*const [f32; 3]; 3]) -> Option<Intersection> {
+        // SAFETY: the caller's promise.
+        unsafe { self.0.decide(shear, corners) }
     }
     #[inline(always)]
     fn store(self, x: Self::F, to: &mut [f32]) {

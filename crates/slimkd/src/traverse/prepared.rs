@@ -77,6 +77,20 @@ pub(crate) struct PreparedRay {
 }
 
 impl PreparedRay {
+    /// Stands where there is no ray yet.
+    pub(super) const NONE: Self = Self {
+        shear: Shear { origin: [0.0; 3], axes: [0, 1, 2], slope: [0.0; 2], along: 0.0 },
+        plane_origin: [0.0; 3],
+        inverse: [0.0; 3],
+        slack: [0.0; 3],
+        descends: [0; 3],
+        enter: 0.0,
+        exit: 0.0,
+        t_min: 0.0,
+        t_max: 0.0,
+        scale: 0.0,
+    };
+
     /// `None` when the ray is invalid or passes the bounds by.
     #[inline]
     pub(crate) fn new(ray: &Ray, bounds: &Aabb, planes: &Planes) -> Option<Self> {

@@ -62,6 +62,7 @@ fn decide_exactly(ray: &PreparedRay, corners: &[[f32; 3]; 3]) -> Option<Intersec
 }
 
 /// The nearest hit; equal t goes to the lowest id.
+#[derive(Clone, Copy)]
 pub(crate) struct Closest {
     /// Its t is the largest that the nearest hit can have.
     hit: Hit,
@@ -146,6 +147,7 @@ impl Sink for Closest {
 }
 
 /// Whether there is any hit.
+#[derive(Clone, Copy)]
 pub(crate) struct Any {
     pub(crate) found: bool,
     t_max: f32,

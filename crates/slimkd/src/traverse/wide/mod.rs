@@ -18,26 +18,41 @@
 //!    (`geometry/estimate.rs` has the bound and its proof). [`Shear::decide`] alone finds hits, in f64, but it is asked only for hits that
 //!    f32 cannot order, and once at the end ([`Sink::consider`], [`Sink::settle`]).
 //!
+//! Batches go through wide nodes as streams (`stream.rs`) and as coherent groups (`group.rs`).
+//!
 //! [`Shear::decide`]: crate::geometry::Shear::decide
 
+mod group;
 mod in_f64;
+mod leaf;
+mod stream;
 mod walk;
 
 pub(crate) use in_f64::walk_in_f64;
 
 use super::prepared::PreparedRay;
 use super::sink::{Any, Closest, Filtered, Sink};
-use super::{RayConditions, Traced};
+use super::{AnyHits, ClosestHits, RayConditions, Traced, finish_strays};
 use crate::geometry::{Hit, Ray};
 use crate::layout::WideView;
 use crate::simd::{InstructionSet, Kernel, Simd};
 use std::mem::MaybeUninit;
+use stream::WideStream;
 use walk::{WAITING, Walk};
 
 /// The deepest tree whose stack lies on the machine's stack.
 const SMALL_DEPTH: usize = 24;
 /// Widths up to here, and no distance overflows (deviation 2).
 const MOST_WIDTH: f32 = (1u128 << 100) as f32;
+
+/// Batches below this go ray by ray: a stream is not worth setting up.
+const LEAST_STREAM: usize = 16;
+
+/// Whether the walk with vectors takes a ray (deviation 2).
+#[inline(always)]
+fn is_plain(ray: &PreparedRay) -> bool {
+    ray.enter >= 0.0 && ray.slack[0] < MOST_WIDTH && ray.slack[1] < MOST_WIDTH && ray.slack[2] < MOST_WIDTH
+}
 
 /// How one ray goes through a tree.
 trait Way {
@@ -53,11 +68,7 @@ impl<V: Simd> Way for ByLanes<V> {
     fn walk(&self, tree: &Traced<'_, WideView<'_>>, ray: &PreparedRay, sink: &mut impl Sink) {
         // By reference: a copy of what was just written would keep the processor waiting for it.
         let Traced { nodes, depth, .. } = tree;
-        let plain = ray.enter >= 0.0
-            && ray.slack[0] < MOST_WIDTH
-            && ray.slack[1] < MOST_WIDTH
-            && ray.slack[2] < MOST_WIDTH;
-        if !plain {
+        if !is_plain(ray) {
             return walk_in_f64(*nodes, ray, sink);
         }
         if (*depth as usize) < SMALL_DEPTH {
@@ -109,19 +120,36 @@ impl<S: Sink> Kernel for WideWalk<'_, S> {
     }
 }
 
-/// The closest hits of a batch, ray by ray.
+/// The closest hits of a batch: coherent ones as groups, others as a stream, few of them ray by ray.
 pub(crate) struct WideClosestHits<'a> {
     pub(crate) tree: Traced<'a, WideView<'a>>,
     pub(crate) rays: &'a [Ray],
     pub(crate) conditions: RayConditions<'a>,
+    pub(crate) coherent: bool,
     pub(crate) hits: &'a mut [Option<Hit>],
 }
 
 impl WideClosestHits<'_> {
     pub(crate) fn run_with(self, set: InstructionSet) {
-        let Self { tree, rays, conditions, hits } = self;
-        if set.run(WideClosestHits { tree, rays, conditions, hits: &mut *hits }).is_none() {
-            WideClosestHits { tree, rays, conditions, hits }.walk_all(&Exactly);
+        let Self { tree, rays, conditions, coherent, hits } = self;
+        let except = conditions.except;
+        // A filter is asked hit by hit, which streams do anyway.
+        if coherent
+            && conditions.filter.is_none()
+            && let Some(strays) = set.run(ClosestHits { tree, rays, except, hits: &mut *hits })
+        {
+            return finish_strays(rays, hits, except, &strays, |rays, except, hits| {
+                let conditions = RayConditions { except, ..conditions };
+                WideClosestHits { tree, rays, conditions, coherent: false, hits }.run_with(set);
+            });
+        }
+        if rays.len() >= LEAST_STREAM
+            && set.run(WideStream { tree, rays, conditions, answers: &mut *hits }).is_some()
+        {
+            return;
+        }
+        if set.run(WideClosestHits { tree, rays, conditions, coherent, hits: &mut *hits }).is_none() {
+            WideClosestHits { tree, rays, conditions, coherent, hits }.walk_all(&Exactly);
         }
     }
 
@@ -153,19 +181,36 @@ impl Kernel for WideClosestHits<'_> {
     }
 }
 
-/// The answers of a batch of any-hit rays, ray by ray.
+/// The answers of a batch of any-hit rays, likewise.
 pub(crate) struct WideAnyHits<'a> {
     pub(crate) tree: Traced<'a, WideView<'a>>,
     pub(crate) rays: &'a [Ray],
     pub(crate) conditions: RayConditions<'a>,
+    pub(crate) coherent: bool,
     pub(crate) hits: &'a mut [bool],
 }
 
 impl WideAnyHits<'_> {
     pub(crate) fn run_with(self, set: InstructionSet) {
-        let Self { tree, rays, conditions, hits } = self;
-        if set.run(WideAnyHits { tree, rays, conditions, hits: &mut *hits }).is_none() {
-            WideAnyHits { tree, rays, conditions, hits }.walk_all(&Exactly);
+        let Self { tree, rays, conditions, coherent, hits } = self;
+        let except = conditions.except;
+        // A filter is asked hit by hit, which streams do anyway.
+        if coherent
+            && conditions.filter.is_none()
+            && let Some(strays) = set.run(AnyHits { tree, rays, except, hits: &mut *hits })
+        {
+            return finish_strays(rays, hits, except, &strays, |rays, except, hits| {
+                let conditions = RayConditions { except, ..conditions };
+                WideAnyHits { tree, rays, conditions, coherent: false, hits }.run_with(set);
+            });
+        }
+        if rays.len() >= LEAST_STREAM
+            && set.run(WideStream { tree, rays, conditions, answers: &mut *hits }).is_some()
+        {
+            return;
+        }
+        if set.run(WideAnyHits { tree, rays, conditions, coherent, hits: &mut *hits }).is_none() {
+            WideAnyHits { tree, rays, conditions, coherent, hits }.walk_all(&Exactly);
         }
     }
 
