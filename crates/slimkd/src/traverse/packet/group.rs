@@ -74,6 +74,19 @@ impl Class {
 }
 
 impl Classes {
+    /// How many rays differ from most others in a sign or in the longest axis, summed over these: up to 32 where a tile of pixels lies across one
+    /// boundary, about 100 where directions are any.
+    #[inline(always)]
+    pub(crate) fn mixed(&self) -> u32 {
+        let all = self.traced.count_ones();
+        let mut mixed = 0;
+        for mask in [self.negative[0], self.negative[1], self.negative[2], self.longest[0], self.longest[1]] {
+            let yes = (mask & self.traced).count_ones();
+            mixed += yes.min(all - yes);
+        }
+        mixed
+    }
+
     /// The class of ray `index`, and all of `among` that share it.
     #[inline(always)]
     pub(crate) fn of(&self, index: u32, among: u64) -> (Class, u64) {

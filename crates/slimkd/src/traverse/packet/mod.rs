@@ -27,8 +27,6 @@ use walk::{Stack, walk};
 const VECTORS: usize = 4;
 /// The number of rays in a group.
 const RAYS: usize = VECTORS * WIDTH;
-/// A class of fewer rays is walked in packets, not as a group.
-const FEW: u32 = 16;
 /// Fewer rays in a packet are strays.
 const FEWEST: u32 = 7;
 
@@ -47,7 +45,9 @@ const HIT_PLACES: [u32; WIDTH] = {
 
 /// A tree that groups of rays of one class go through.
 pub(crate) trait Grouped: Copy {
-    /// Whether few rays of a class walk as packets; else they are strays.
+    /// A class of fewer rays does not walk as a group. `mixed` says how much the directions of the 64 rays differ: [`Classes::mixed`].
+    fn few(mixed: u32) -> u32;
+    /// Whether it then walks in packets, the rays of one vector each; else its rays are strays.
     const PACKETS: bool;
     /// What a walk needs beside the group. It is made once and used by one walk after the other.
     type Stack<S: Simd, const G: usize>;
@@ -75,12 +75,19 @@ pub(crate) trait Grouped: Copy {
     );
 }
 
+/// A class of fewer rays is walked in packets, not as a group.
+const FEW: u32 = 16;
+
 impl<N: Nodes> Grouped for N {
     const PACKETS: bool = true;
     type Stack<S: Simd, const G: usize> = Stack<S, G>;
 
     fn stack<S: Simd, const G: usize>(depth: u32) -> Stack<S, G> {
         Vec::with_capacity(depth as usize)
+    }
+
+    fn few(_: u32) -> u32 {
+        FEW
     }
 
     fn coordinates(self) -> Planes {
@@ -219,6 +226,7 @@ fn trace<S: Simd, N: Grouped, const ANY: bool>(
     group.leave_out(s, except.map(|except| &except[first..first + rays.len()]));
     let mut left = if tree.bounds.is_empty() { 0 } else { classes.traced };
     let taken = tree.nodes.takes(s, group);
+    let few = N::few(classes.mixed());
     let mut strays = left & !taken;
     left &= taken;
     while left != 0 {
@@ -229,7 +237,7 @@ fn trace<S: Simd, N: Grouped, const ANY: bool>(
         let start = rays[leader as usize].origin;
         let eye = Eye::new(start, planes);
         // 3. Few rays go as packets or are strays; many go as a group, which is faster where all start at one point.
-        if lanes.count_ones() < FEW {
+        if lanes.count_ones() < few {
             for g in 0..VECTORS {
                 let part = lanes >> (g * WIDTH) & 0xffff;
                 if part.count_ones() < FEWEST || !N::PACKETS {

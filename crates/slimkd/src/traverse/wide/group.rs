@@ -23,6 +23,8 @@ use crate::traverse::packet::{Bundle, Class, Eye, Group, Grouped, WIDTH, test_al
 use crate::traverse::prepared::smaller;
 
 /// The children of one node that wait.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
 pub(crate) struct Frame {
     /// Where the first ray may enter them, with their lanes; infinite where none waits.
     keys: [f32; LANES],
@@ -38,7 +40,14 @@ impl Grouped for WideView<'_> {
     type Stack<S: Simd, const G: usize> = Vec<Frame>;
 
     fn stack<S: Simd, const G: usize>(depth: u32) -> Vec<Frame> {
-        Vec::with_capacity(depth as usize + 1)
+        // Made at once, and written in place: a frame has 464 bytes.
+        let none = Frame { keys: [0.0; LANES], places: [[0.0; LANES]; 6], rays: 0, at: Address::ROOT };
+        vec![none; depth as usize + 1]
+    }
+
+    fn few(mixed: u32) -> u32 {
+        // Beside a large class, even a few rays are faster as a group than as strays; where all classes are small, they are not.
+        if mixed < 64 { 4 } else { 16 }
     }
 
     fn coordinates(self) -> Planes {
@@ -67,7 +76,6 @@ impl Grouped for WideView<'_> {
         eye: Eye,
         stack: &mut Vec<Frame>,
     ) {
-        stack.clear();
         count(|c| (c.rays, c.walks) = (c.rays + u64::from(rays.count_ones()), c.walks + 1));
         Walk::<S, G> {
             s,
@@ -77,8 +85,10 @@ impl Grouped for WideView<'_> {
             far: [[s.f32s(0.0); G]; 3],
             enter: 0.0,
             cut: 0.0,
+            stack,
+            top: 0,
         }
-        .run::<COMMON, ANY>(group, class, rays, eye, stack);
+        .run::<COMMON, ANY>(group, class, rays, eye);
     }
 }
 
@@ -92,6 +102,9 @@ struct Walk<'a, S: Simd, const G: usize> {
     /// Where the first ray begins, and where the last one ends by now.
     enter: f32,
     cut: f32,
+    /// Frames below `top` have children that wait.
+    stack: &'a mut [Frame],
+    top: usize,
 }
 
 impl<S: Simd, const G: usize> Walk<'_, S, G> {
@@ -102,7 +115,6 @@ impl<S: Simd, const G: usize> Walk<'_, S, G> {
         class: Class,
         mut rays: u64,
         eye: Eye,
-        stack: &mut Vec<Frame>,
     ) {
         let s = self.s;
         // 1. What the rays have along each axis, and where they end.
@@ -122,24 +134,24 @@ impl<S: Simd, const G: usize> Walk<'_, S, G> {
         // −0 would be larger than all other distances, by its bits.
         self.enter += 0.0;
         self.shorten(group, rays);
-        self.visit(class, Address::ROOT, rays, stack);
+        self.visit(class, Address::ROOT, rays);
         let mut buffer = Ids::new();
         // 2. The nearest child that waits in the last node.
-        while let Some(frame) = stack.last_mut() {
+        while self.top > 0 {
+            let frame = &mut self.stack[self.top - 1];
             let keys = s.load(&frame.keys);
             let waiting = s.bits(s.le(keys, s.f32s(self.cut)));
             if waiting == 0 {
-                stack.pop();
+                self.top -= 1;
                 continue;
             }
             let lane = (s.least(keys).to_bits() & LANE_BITS) as usize;
             frame.keys[lane] = f32::INFINITY;
             // 3. Which rays meet its box.
+            let frame = &self.stack[self.top - 1];
             let active = self.active(group, frame, lane, if ANY { frame.rays & rays } else { frame.rays });
             let at = frame.at;
-            if waiting & (waiting - 1) == 0 {
-                stack.pop();
-            }
+            self.top -= usize::from(waiting & (waiting - 1) == 0);
             if active == 0 {
                 continue;
             }
@@ -148,7 +160,7 @@ impl<S: Simd, const G: usize> Walk<'_, S, G> {
             if lane < node.inner() {
                 // SAFETY: the lane is that of an inner child.
                 let child = unsafe { self.nodes.child(node, lane) };
-                self.visit(class, child, active, stack);
+                self.visit(class, child, active);
                 continue;
             }
             // 4. The triangles of a leaf.
@@ -200,7 +212,7 @@ impl<S: Simd, const G: usize> Walk<'_, S, G> {
 
     /// Lets the children that a ray may meet wait.
     #[inline(always)]
-    fn visit(&mut self, class: Class, at: Address, rays: u64, stack: &mut Vec<Frame>) {
+    fn visit(&mut self, class: Class, at: Address, rays: u64) {
         let s = self.s;
         count(|c| {
             c.nodes += 1;
@@ -209,7 +221,8 @@ impl<S: Simd, const G: usize> Walk<'_, S, G> {
         });
         // SAFETY: the address is the root's or that of an inner child of a node of this tree.
         let node = unsafe { self.nodes.node(at) };
-        let mut frame = Frame { keys: [0.0; LANES], places: [[0.0; LANES]; 6], rays, at };
+        let frame = &mut self.stack[self.top];
+        (frame.rays, frame.at) = (rays, at);
         let (mut near, mut far) = (s.f32s(self.enter), s.f32s(self.cut));
         for k in 0..3 {
             let up = class.descends[k] as usize;
@@ -226,13 +239,10 @@ impl<S: Simd, const G: usize> Walk<'_, S, G> {
             far = s.smaller(s.larger(farthest * a, farthest * b) + slack, far);
         }
         let met = s.le(near, far) & s.mask((1u32 << node.children()) - 1);
-        if !s.any(met) {
-            return;
-        }
         let lanes = s.load_u32(&[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15]);
         let keys = s.cast_f32((s.cast_u32(near) & s.u32s(!LANE_BITS)) | lanes);
         s.store(s.select(met, keys, s.f32s(f32::INFINITY)), &mut frame.keys);
-        stack.push(frame);
+        self.top += usize::from(s.any(met));
     }
 
     /// The rays among some that meet the box of a child that waits.
