@@ -80,10 +80,10 @@ impl PreparedRay {
     /// Stands where there is no ray yet.
     pub(super) const NONE: Self = Self {
         shear: Shear { origin: [0.0; 3], axes: [0, 1, 2], slope: [0.0; 2], along: 0.0 },
-        plane_origin: [0.0; 3],
-        inverse: [0.0; 3],
-        slack: [0.0; 3],
-        descends: [0; 3],
+        plane_origin: [0.0; 4],
+        inverse: [0.0; 4],
+        slack: [0.0; 4],
+        descends: [0; 4],
         enter: 0.0,
         exit: 0.0,
         t_min: 0.0,
