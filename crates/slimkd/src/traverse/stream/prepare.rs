@@ -3,7 +3,7 @@
 //! The same operations in the same order, so the same bits; where a lane's ray is invalid they give anything.
 
 use super::answers::Answers;
-use crate::geometry::{Aabb, Ray, Shear};
+use crate::geometry::{Aabb, Ray};
 use crate::layout::Planes;
 use crate::simd::{Simd, prefetch};
 use crate::traverse::prepared::{LEAST, LEAST_SCALED, PARALLEL, PreparedRay, QUARTER_SLACK};

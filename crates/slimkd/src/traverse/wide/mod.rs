@@ -24,6 +24,7 @@
 
 mod group;
 mod in_f64;
+mod kept;
 mod leaf;
 mod stream;
 mod walk;

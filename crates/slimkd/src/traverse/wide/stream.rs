@@ -15,16 +15,17 @@
 //!    place. The end that they are compared with, `cut`, has all of these bits set: whatever began before the end still does.
 //! 3. The order in which triangles are tested changes no answer: see `sink.rs`.
 
+use super::kept::{Asking, Taking};
 use super::leaf::leaf;
 use super::{is_plain, walk_in_f64};
-use crate::geometry::{Hit, Intersection, Ray};
+use crate::geometry::Ray;
 use crate::layout::{Address, LANES, STEP_BITS, WideNode, WideView};
 use crate::simd::{Kernel, Simd};
 use crate::traverse::conditions::NO_TRIANGLE;
 use crate::traverse::counters::count;
-use crate::traverse::prepared::{PreparedRay, smaller};
-use crate::traverse::sink::{Any, Closest, Sink};
-use crate::traverse::stream::{Answers, Prepared};
+use crate::traverse::prepared::{PreparedRay, larger, smaller};
+use crate::traverse::sink::Sink;
+use crate::traverse::stream::Prepared;
 use crate::traverse::{RayConditions, Traced};
 use std::mem::MaybeUninit;
 
@@ -41,42 +42,6 @@ pub(super) struct WideStream<'a, A> {
     pub(super) rays: &'a [Ray],
     pub(super) conditions: RayConditions<'a>,
     pub(super) answers: A,
-}
-
-/// Where answers go, and what is kept of a ray until its answer is known.
-pub(super) trait Asking: Answers {
-    type Kept: Sink + Copy;
-
-    fn begin(t_max: f32, except: u32) -> Self::Kept;
-    fn hit(kept: &Self::Kept) -> Option<Hit>;
-}
-
-impl Asking for &mut [Option<Hit>] {
-    type Kept = Closest;
-
-    #[inline(always)]
-    fn begin(t_max: f32, except: u32) -> Closest {
-        Closest::new(t_max, except)
-    }
-
-    #[inline(always)]
-    fn hit(kept: &Closest) -> Option<Hit> {
-        kept.into_hit()
-    }
-}
-
-impl Asking for &mut [bool] {
-    type Kept = Any;
-
-    #[inline(always)]
-    fn begin(t_max: f32, except: u32) -> Any {
-        Any::new(t_max, except)
-    }
-
-    #[inline(always)]
-    fn hit(kept: &Any) -> Option<Hit> {
-        kept.found.then_some(Hit { t: 0.0, u: 0.0, v: 0.0, triangle: 0 })
-    }
 }
 
 /// A ray in flight.
@@ -159,7 +124,10 @@ impl<A: Asking> Kernel for WideStream<'_, A> {
 
     #[inline(always)]
     fn run<V: Simd>(self, s: V) {
-        let Self { tree, rays, conditions, answers } = self;
+        let Self { tree, rays, conditions, mut answers } = self;
+        if tree.bounds.is_empty() {
+            return (0..rays.len()).for_each(|ray| answers.put(ray, None));
+        }
         // A frame for each node of the deepest path, and the lowest one; an odd number, so that frames do not share few lines of the cache.
         let room = (tree.depth as usize + 2) | 1;
         let mut flight = Flight::<V, A> {
@@ -185,7 +153,7 @@ impl<A: Asking> Kernel for WideStream<'_, A> {
                 if flight.begin(&mut ready) {
                     continue;
                 }
-                if next < rays.len() && !tree.bounds.is_empty() {
+                if next < rays.len() {
                     ready.load(s, rays, next, tree.bounds, tree.nodes.grid(), &mut flight.answers);
                     next += 16;
                 } else {
@@ -425,37 +393,8 @@ impl<K> Slot<K> {
     }
 }
 
-/// The end that distances with lanes are compared with: finite, not −0, and with all bits set that lanes take.
+/// The end that distances with lanes are compared with: finite, neither negative nor −0, and with all bits set that lanes take.
 #[inline(always)]
 pub(super) fn cut(end: f32) -> f32 {
-    f32::from_bits((smaller(end, f32::MAX) + 0.0).to_bits() | LANE_BITS)
-}
-
-/// Takes the hits of one ray, those that the batch's filter accepts.
-struct Taking<'a, K> {
-    kept: &'a mut K,
-    place: usize,
-    conditions: &'a RayConditions<'a>,
-}
-
-impl<K: Sink> Sink for Taking<'_, K> {
-    const COHERENT: bool = K::COHERENT;
-
-    #[inline(always)]
-    fn offer(&mut self, found: Intersection, triangle: u32) -> bool {
-        let hit = Hit { t: found.t, u: found.u, v: found.v, triangle };
-        let accepted = self.conditions.filter.is_none()
-            || found.t <= self.kept.limit() && self.conditions.accept(self.place, &hit);
-        accepted && self.kept.offer(found, triangle)
-    }
-
-    #[inline(always)]
-    fn limit(&self) -> f32 {
-        self.kept.limit()
-    }
-
-    #[inline(always)]
-    fn knows(&self, triangle: u32) -> bool {
-        self.kept.knows(triangle)
-    }
+    f32::from_bits(larger(smaller(end, f32::MAX), 0.0).to_bits() | LANE_BITS)
 }
