@@ -149,6 +149,8 @@ pub(crate) const MOST_IDS: usize = 64;
 /// How many ids a layout may write behind those that it reports, since it decodes several at a time.
 pub(crate) const SPILL: usize = 8;
 
+const RUN: [u32; SPILL] = [0, 1, 2, 3, 4, 5, 6, 7];
+
 /// Room for the ids that are taken at once. It is not initialised, so making it takes no time.
 pub(crate) struct Ids(pub(super) [MaybeUninit<u32>; MOST_IDS + SPILL]);
 
@@ -156,6 +158,31 @@ impl Ids {
     #[inline(always)]
     pub(crate) fn new() -> Self {
         Self([MaybeUninit::uninit(); MOST_IDS + SPILL])
+    }
+
+    /// Writes `first` and the [`SPILL`] − 1 ids after it to place `at` and those behind it.
+    #[inline(always)]
+    pub(super) fn write_run(&mut self, at: usize, first: u32) {
+        // One check and one store, not eight.
+        let to: &mut [MaybeUninit<u32>; SPILL] =
+            (&mut self.0[at..at + SPILL]).try_into().expect("a slice of that length");
+        *to = RUN.map(|k| MaybeUninit::new(first.wrapping_add(k)));
+    }
+
+    /// The first `count` ids, and with the last of them again up to a multiple of four. There are at most [`MOST_IDS`], and at least one.
+    ///
+    /// # Safety
+    /// They were written.
+    #[inline(always)]
+    pub(super) unsafe fn fours(&mut self, count: usize) -> &[[u32; 4]] {
+        // SAFETY: the caller wrote them.
+        let last = unsafe { self.0[count - 1].assume_init() };
+        let to: &mut [MaybeUninit<u32>; 3] =
+            (&mut self.0[count..count + 3]).try_into().expect("a slice of that length");
+        *to = [MaybeUninit::new(last); 3];
+        let fours = count.div_ceil(4);
+        // SAFETY: less than four ids follow `count` before a multiple of four; `MaybeUninit<u32>` has the layout of `u32`.
+        unsafe { std::slice::from_raw_parts(self.0.as_ptr().cast(), fours) }
     }
 
     /// The first `count` ids.

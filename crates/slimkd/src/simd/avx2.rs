@@ -1,7 +1,8 @@
 //! AVX2: 8 lanes, masks as vectors of all ones or zeros.
 
 use super::macros::{methods, operators, vectors};
-use super::{Simd, lane_at, load_row, load_two};
+use super::{Intersection, Quad, Shear, Simd, lane_at, load_row, load_two};
+use crate::geometry::estimate::{DISTANCE, LEAST_REACH, LEAST_SCALE, LEAST_SUM, MOST_SCALE, SIGN};
 use std::arch::x86_64::*;
 
 const WIDTH: usize = 8;
@@ -40,11 +41,21 @@ operators! {
     }
 }
 
+/// A ray's frame: axes that play x, y and z, the origin, and the slopes, in each half; `along` everywhere.
+#[derive(Clone, Copy)]
+pub(crate) struct Frame {
+    axes: __m256i,
+    origin: __m256,
+    slope: __m256,
+    along: __m256,
+}
+
 impl Simd for Avx2 {
     const WIDTH: usize = WIDTH;
     type F = F32;
     type D = F64;
     type U = U32;
+    type Frame = Frame;
     type M = Mask;
 
     methods! {
@@ -69,6 +80,10 @@ impl Simd for Avx2 {
             let x = _mm_max_ps(x, _mm_movehl_ps(x, x));
             _mm_cvtss_f32(_mm_max_ss(x, _mm_movehdup_ps(x)))
         };
+        later(a: F32, b: F32) -> F32 =
+            F32(_mm256_castsi256_ps(_mm256_max_epi32(_mm256_castps_si256(a.0), _mm256_castps_si256(b.0))));
+        sooner(a: F32, b: F32) -> F32 =
+            F32(_mm256_castsi256_ps(_mm256_min_epi32(_mm256_castps_si256(a.0), _mm256_castps_si256(b.0))));
         abs(x: F32) -> F32 = F32(_mm256_andnot_ps(_mm256_set1_ps(-0.0), x.0));
 
         lt(a: F32, b: F32) -> Mask = Mask(_mm256_cmp_ps::<_CMP_LT_OQ>(a.0, b.0));
@@ -140,6 +155,163 @@ impl Simd for Avx2 {
             let [e, f, g, h] = four_columns(high);
             [a, b, c, d, e, f, g, h]
         }
+    }
+
+    #[inline(always)]
+    fn frame(self, shear: &Shear) -> Frame {
+        let [kx, ky, kz] = shear.axes;
+        let ([ox, oy, oz], [sx, sy]) = (shear.origin, shear.slope);
+        // SAFETY: the token proves the instructions.
+        unsafe {
+            Frame {
+                axes: _mm256_broadcastsi128_si256(_mm_setr_epi32(kx as i32, ky as i32, kz as i32, 3)),
+                origin: _mm256_setr_ps(ox, oy, oz, 0.0, ox, oy, oz, 0.0),
+                slope: _mm256_setr_ps(sx, sy, 0.0, 0.0, sx, sy, 0.0, 0.0),
+                along: _mm256_set1_ps(shear.along as f32),
+            }
+        }
+    }
+    #[inline(always)]
+    unsafe fn quad(
+        self,
+        frame: &Frame,
+        corners: &[[*const [f32; 3]; 3]; 4],
+        limit: f32,
+        quad: &mut Quad,
+    ) -> u32 {
+        // SAFETY: the token proves the instructions; the masks read three f32 of each corner.
+        unsafe {
+            // As with AVX-512, but two triangles at a time: each in its own half.
+            let &Frame { axes, origin, slope, along } = frame;
+            let three = _mm_setr_epi32(-1, -1, -1, 0);
+            let minus = _mm256_set1_ps(-0.0);
+            macro_rules! row {
+                ($k:literal, $first:literal) => {{
+                    let row = _mm256_set_m128(
+                        _mm_maskload_ps(corners[$first + 1][$k].cast(), three),
+                        _mm_maskload_ps(corners[$first][$k].cast(), three),
+                    );
+                    let row = _mm256_permutevar_ps(_mm256_sub_ps(row, origin), axes);
+                    let z = _mm256_permute_ps::<0b10_10_10_10>(row);
+                    (_mm256_sub_ps(row, _mm256_mul_ps(slope, z)), z)
+                }};
+            }
+            macro_rules! products {
+                ($p:ident, $q:ident) => {{
+                    let product = _mm256_mul_ps($p, _mm256_permute_ps::<0b11_10_00_01>($q));
+                    (product, _mm256_permute_ps::<0b11_10_00_01>(product))
+                }};
+            }
+            macro_rules! bits {
+                ($mask:expr) => {
+                    _mm256_movemask_ps($mask) as u32
+                };
+            }
+            macro_rules! below {
+                ($p:expr, $q:expr) => {
+                    _mm256_cmp_ps::<_CMP_LT_OQ>($p, $q)
+                };
+            }
+            macro_rules! at_least {
+                ($p:expr, $q:expr) => {
+                    _mm256_cmp_ps::<_CMP_GE_OQ>($p, $q)
+                };
+            }
+            macro_rules! size {
+                ($p:expr) => {
+                    _mm256_andnot_ps(minus, $p)
+                };
+            }
+            macro_rules! two {
+                ($first:literal) => {{
+                    let ((a, az), (b, bz), (c, cz)) = (row!(0, $first), row!(1, $first), row!(2, $first));
+                    let ((u, u2), (v, v2), (w, w2)) = (products!(c, b), products!(a, c), products!(b, a));
+                    let signs =
+                        bits!(_mm256_or_ps(_mm256_or_ps(below!(u, u2), below!(v, v2)), below!(w, w2)));
+                    let may_hit = !(signs & signs >> 1) & 0x11;
+                    if may_hit == 0 {
+                        (0, 0)
+                    } else {
+                        let sum = _mm256_add_ps(_mm256_add_ps(size!(u), size!(v)), size!(w));
+                        let sum = _mm256_add_ps(sum, _mm256_permute_ps::<0b11_10_00_01>(sum));
+                        let reach = _mm256_max_ps(_mm256_max_ps(size!(az), size!(bz)), size!(cz));
+                        let (u, v, w) = (_mm256_sub_ps(u, u2), _mm256_sub_ps(v, v2), _mm256_sub_ps(w, w2));
+                        let distance = _mm256_add_ps(
+                            _mm256_add_ps(_mm256_mul_ps(u, az), _mm256_mul_ps(v, bz)),
+                            _mm256_mul_ps(w, cz),
+                        );
+                        let scale = _mm256_mul_ps(_mm256_add_ps(_mm256_add_ps(u, v), w), along);
+                        let sign = _mm256_and_ps(scale, minus);
+                        let (distance, scale) = (_mm256_xor_ps(distance, sign), _mm256_xor_ps(scale, sign));
+                        let error = _mm256_mul_ps(_mm256_mul_ps(sum, reach), _mm256_set1_ps(DISTANCE));
+                        let least = _mm256_mul_ps(sum, _mm256_set1_ps(SIGN));
+                        let low = _mm256_min_ps(_mm256_min_ps(u, v), w);
+                        let high = _mm256_max_ps(_mm256_max_ps(u, v), w);
+                        let most = _mm256_set1_ps(MOST_SCALE);
+                        let inside =
+                            _mm256_or_ps(below!(least, low), below!(least, _mm256_xor_ps(high, minus)));
+                        let large = _mm256_and_ps(
+                            at_least!(sum, _mm256_set1_ps(LEAST_SUM)),
+                            at_least!(reach, _mm256_set1_ps(LEAST_REACH)),
+                        );
+                        let range = _mm256_and_ps(
+                            at_least!(scale, _mm256_set1_ps(LEAST_SCALE)),
+                            _mm256_and_ps(at_least!(most, scale), at_least!(most, error)),
+                        );
+                        let sure = _mm256_and_ps(inside, _mm256_and_ps(large, range));
+                        let end = _mm256_mul_ps(_mm256_set1_ps(limit), scale);
+                        let behind = _mm256_and_ps(sure, below!(end, _mm256_sub_ps(distance, error)));
+                        _mm256_store_ps(quad.distance.as_mut_ptr().add(4 * $first), distance);
+                        _mm256_store_ps(quad.scale.as_mut_ptr().add(4 * $first), scale);
+                        _mm256_store_ps(quad.error.as_mut_ptr().add(4 * $first), error);
+                        (may_hit & !bits!(behind), bits!(sure))
+                    }
+                }};
+            }
+            let ((first, first_sure), (second, second_sure)) = (two!(0), two!(2));
+            quad.sure = _pext_u32(first_sure | second_sure << 8, 0x1111);
+            _pext_u32(first | second << 8, 0x1111)
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn may_hit(self, shear: &Shear, corners: &[[*const [f32; 3]; 3]; 4]) -> u32 {
+        // SAFETY: the token proves the instructions; the masks read three f32 of each corner.
+        unsafe {
+            // As with AVX-512, but two triangles at a time: each in its own half.
+            let Frame { axes, origin, slope, .. } = self.frame(shear);
+            let three = _mm_setr_epi32(-1, -1, -1, 0);
+            macro_rules! row {
+                ($k:literal, $first:literal) => {{
+                    let row = _mm256_set_m128(
+                        _mm_maskload_ps(corners[$first + 1][$k].cast(), three),
+                        _mm_maskload_ps(corners[$first][$k].cast(), three),
+                    );
+                    let row = _mm256_permutevar_ps(_mm256_sub_ps(row, origin), axes);
+                    _mm256_sub_ps(row, _mm256_mul_ps(slope, _mm256_permute_ps::<0b10_10_10_10>(row)))
+                }};
+            }
+            macro_rules! below {
+                ($p:ident, $q:ident) => {{
+                    let product = _mm256_mul_ps($p, _mm256_permute_ps::<0b11_10_00_01>($q));
+                    _mm256_cmp_ps::<_CMP_LT_OQ>(product, _mm256_permute_ps::<0b11_10_00_01>(product))
+                }};
+            }
+            macro_rules! two {
+                ($first:literal) => {{
+                    let (a, b, c) = (row!(0, $first), row!(1, $first), row!(2, $first));
+                    let signs = _mm256_or_ps(_mm256_or_ps(below!(c, b), below!(a, c)), below!(b, a));
+                    let signs = _mm256_movemask_ps(signs) as u32;
+                    !(signs & signs >> 1) & 0x11
+                }};
+            }
+            _pext_u32(two!(0) | two!(2) << 8, 0x1111)
+        }
+    }
+    #[inline(always)]
+    unsafe fn decide(self, shear: &Shear, corners: [*const [f32; 3]; 3]) -> Option<Intersection> {
+        // SAFETY: the token proves AVX2; the caller vouches for the corners.
+        unsafe { decide_by_lanes(shear, corners) }
     }
 
     #[inline(always)]
@@ -230,6 +402,66 @@ impl Simd for Avx2 {
             let low = _mm256_blendv_ps(eight[0], eight[1], third);
             let high = _mm256_blendv_ps(eight[2], eight[3], third);
             F32(_mm256_blendv_ps(low, high, fourth))
+        }
+    }
+}
+
+/// [`Shear::decide`] with the three corners side by side: the same operations, so the same bits.
+///
+/// # Safety
+/// The processor must have AVX2, and every pointer must be that of a corner: three f32.
+#[inline(always)]
+pub(super) unsafe fn decide_by_lanes(shear: &Shear, corners: [*const [f32; 3]; 3]) -> Option<Intersection> {
+    // SAFETY: the caller's promise; axes are below 3.
+    unsafe {
+        let [a, b, c] = [corners[0].cast::<f32>(), corners[1].cast::<f32>(), corners[2].cast::<f32>()];
+        let [kx, ky, kz] = shear.axes;
+        // Macros, since closures fall out of the inline chain.
+        macro_rules! from_origin {
+            ($k:ident) => {
+                _mm_sub_ps(
+                    _mm_setr_ps(*a.add($k), *b.add($k), *c.add($k), 0.0),
+                    _mm_set1_ps(*shear.origin.get_unchecked($k)),
+                )
+            };
+        }
+        let z = from_origin!(kz);
+        let x = _mm_sub_ps(from_origin!(kx), _mm_mul_ps(_mm_set1_ps(shear.slope[0]), z));
+        let y = _mm_sub_ps(from_origin!(ky), _mm_mul_ps(_mm_set1_ps(shear.slope[1]), z));
+        let (x, y, z) = (_mm256_cvtps_pd(x), _mm256_cvtps_pd(y), _mm256_cvtps_pd(z));
+        // Each corner with the next one: w, u, v, and nothing in the fourth lane.
+        const NEXT: i32 = 0b11_00_10_01;
+        let (next_x, next_y) = (_mm256_permute4x64_pd::<NEXT>(x), _mm256_permute4x64_pd::<NEXT>(y));
+        let edges = _mm256_sub_pd(_mm256_mul_pd(next_x, y), _mm256_mul_pd(next_y, x));
+        let zero = _mm256_setzero_pd();
+        let below = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(edges, zero)) & 0b111;
+        let above = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(zero, edges)) & 0b111;
+        if below != 0 && above != 0 {
+            return None;
+        }
+        // u, v, w, and what they weigh.
+        let edges = _mm256_permute4x64_pd::<NEXT>(edges);
+        let parts = _mm256_mul_pd(edges, z);
+        macro_rules! three {
+            ($from:ident) => {{
+                let low = _mm256_castpd256_pd128($from);
+                let high = _mm256_extractf128_pd::<1>($from);
+                (_mm_cvtsd_f64(low), _mm_cvtsd_f64(_mm_unpackhi_pd(low, low)), _mm_cvtsd_f64(high))
+            }};
+        }
+        let (u, v, w) = three!(edges);
+        let det = u + v + w;
+        if det == 0.0 {
+            return None;
+        }
+        let (at_a, at_b, at_c) = three!(parts);
+        let per_along = 1.0 / (det * shear.along);
+        let t = ((at_a + at_b + at_c) * per_along) as f32;
+        let per_det = shear.along * per_along;
+        if t.is_nan() {
+            None
+        } else {
+            Some(Intersection { t, u: (v * per_det) as f32, v: (w * per_det) as f32 })
         }
     }
 }

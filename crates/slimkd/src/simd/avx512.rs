@@ -1,7 +1,9 @@
 //! AVX-512 (F, BW, DQ, VL): 16 lanes, masks in registers of their own.
 
+use super::avx2::decide_by_lanes;
 use super::macros::{methods, operators, vectors};
-use super::{Shear, Simd, lane_at, load_row, load_two};
+use super::{Intersection, Quad, Shear, Simd, lane_at, load_row, load_two, order};
+use crate::geometry::estimate::{DISTANCE, LEAST_REACH, LEAST_SCALE, LEAST_SUM, MOST_SCALE, SIGN};
 use std::arch::x86_64::*;
 
 const WIDTH: usize = 16;
@@ -45,6 +47,7 @@ impl Simd for Avx512 {
     type F = F32;
     type D = F64;
     type U = U32;
+    type Frame = Frame;
     type M = Bits;
 
     methods! {
@@ -61,6 +64,12 @@ impl Simd for Avx512 {
         smaller(a: F32, b: F32) -> F32 = F32(_mm512_min_ps(a.0, b.0));
         least(x: F32) -> f32 = _mm512_reduce_min_ps(x.0);
         most(x: F32) -> f32 = _mm512_reduce_max_ps(x.0);
+        later(a: F32, b: F32) -> F32 =
+            F32(_mm512_castsi512_ps(_mm512_max_epi32(_mm512_castps_si512(a.0), _mm512_castps_si512(b.0))));
+        sooner(a: F32, b: F32) -> F32 =
+            F32(_mm512_castsi512_ps(_mm512_min_epi32(_mm512_castps_si512(a.0), _mm512_castps_si512(b.0))));
+        not_after(a: F32, b: F32) -> Bits =
+            Bits(_mm512_cmple_epi32_mask(_mm512_castps_si512(a.0), _mm512_castps_si512(b.0)));
         abs(x: F32) -> F32 = F32(_mm512_abs_ps(x.0));
 
         lt(a: F32, b: F32) -> Bits = Bits(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a.0, b.0));
@@ -116,7 +125,113 @@ impl Simd for Avx512 {
         unsafe { F32(_mm512_fmadd_ps(a.0, b.0, c.0)) }
     }
     #[inline(always)]
-    unsafe fn quad(self, shear: &Shear, corners: &[[*const [f32; 3]; 3]; 4]) -> u32 {
+    fn frame(self, shear: &Shear) -> Frame {
+        let [ox, oy, oz] = shear.origin;
+        // SAFETY: the token proves the instructions.
+        unsafe {
+            Frame {
+                axes: _mm512_broadcast_i32x4(_mm_loadu_si128(AXES[shear.axes[2]].as_ptr().cast())),
+                origin: _mm512_broadcast_f32x4(_mm_setr_ps(ox, oy, oz, 0.0)),
+                slope: _mm512_maskz_broadcast_f32x2(
+                    0x3333,
+                    _mm_setr_ps(shear.slope[0], shear.slope[1], 0.0, 0.0),
+                ),
+                along: _mm512_set1_ps(shear.along as f32),
+            }
+        }
+    }
+    #[inline(always)]
+    unsafe fn quad(
+        self,
+        frame: &Frame,
+        corners: &[[*const [f32; 3]; 3]; 4],
+        limit: f32,
+        quad: &mut Quad,
+    ) -> u32 {
+        // SAFETY: the token proves the instructions; the masks read three f32 of each corner.
+        unsafe {
+            // 1. Corner `k` of four triangles, each in its own quarter: x, y, z of the ray's frame, nothing. Macros, since closures fall out
+            //    of the inline chain.
+            let &Frame { axes, origin, slope, along } = frame;
+            macro_rules! three {
+                ($k:literal, $at:literal) => {
+                    _mm_maskz_loadu_ps(0b0111, corners[$at][$k].cast())
+                };
+            }
+            macro_rules! row {
+                ($k:literal) => {{
+                    let row = _mm512_castps128_ps512(three!($k, 0));
+                    let row = _mm512_insertf32x4::<1>(row, three!($k, 1));
+                    let row = _mm512_insertf32x4::<2>(row, three!($k, 2));
+                    let row = _mm512_insertf32x4::<3>(row, three!($k, 3));
+                    let row = _mm512_permutevar_ps(_mm512_sub_ps(row, origin), axes);
+                    let z = _mm512_permute_ps::<0b10_10_10_10>(row);
+                    (_mm512_sub_ps(row, _mm512_mul_ps(slope, z)), z)
+                }};
+            }
+            let ((a, az), (b, bz), (c, cz)) = (row!(0), row!(1), row!(2));
+            // 2. (px·qy, py·qx), and the other way round: the edge function is their difference, and its sign theirs in order.
+            macro_rules! products {
+                ($p:ident, $q:ident) => {{
+                    let product = _mm512_mul_ps($p, _mm512_permute_ps::<0b11_10_00_01>($q));
+                    (product, _mm512_permute_ps::<0b11_10_00_01>(product))
+                }};
+            }
+            let ((u, u2), (v, v2), (w, w2)) = (products!(c, b), products!(a, c), products!(b, a));
+            macro_rules! below {
+                ($p:ident, $q:ident) => {
+                    u32::from(_mm512_cmp_ps_mask::<_CMP_LT_OQ>($p, $q))
+                };
+            }
+            let signs = below!(u, u2) | below!(v, v2) | below!(w, w2);
+            // A triangle is missed where both of its bits are set: some edge function is negative, and some positive.
+            let may_hit = !(signs & signs >> 1) & 0x1111;
+            if may_hit == 0 {
+                return 0;
+            }
+            // 3. What `Shear::estimate` finds of a triangle, in the first lane of its quarter.
+            let sum = _mm512_add_ps(_mm512_add_ps(_mm512_abs_ps(u), _mm512_abs_ps(v)), _mm512_abs_ps(w));
+            let sum = _mm512_add_ps(sum, _mm512_permute_ps::<0b11_10_00_01>(sum));
+            let reach = _mm512_max_ps(_mm512_max_ps(_mm512_abs_ps(az), _mm512_abs_ps(bz)), _mm512_abs_ps(cz));
+            let (u, v, w) = (_mm512_sub_ps(u, u2), _mm512_sub_ps(v, v2), _mm512_sub_ps(w, w2));
+            let distance = _mm512_add_ps(
+                _mm512_add_ps(_mm512_mul_ps(u, az), _mm512_mul_ps(v, bz)),
+                _mm512_mul_ps(w, cz),
+            );
+            let scale = _mm512_mul_ps(_mm512_add_ps(_mm512_add_ps(u, v), w), along);
+            let sign = _mm512_and_ps(scale, _mm512_set1_ps(-0.0));
+            let (distance, scale) = (_mm512_xor_ps(distance, sign), _mm512_xor_ps(scale, sign));
+            let error = _mm512_mul_ps(_mm512_mul_ps(sum, reach), _mm512_set1_ps(DISTANCE));
+            let least = _mm512_mul_ps(sum, _mm512_set1_ps(SIGN));
+            let (low, high) = (_mm512_min_ps(_mm512_min_ps(u, v), w), _mm512_max_ps(_mm512_max_ps(u, v), w));
+            let negative = _mm512_xor_ps(high, _mm512_set1_ps(-0.0));
+            macro_rules! at_least {
+                ($p:expr, $q:expr) => {
+                    u32::from(_mm512_cmp_ps_mask::<_CMP_GE_OQ>($p, $q))
+                };
+            }
+            let sure = (below!(least, low) | below!(least, negative))
+                & at_least!(sum, _mm512_set1_ps(LEAST_SUM))
+                & at_least!(reach, _mm512_set1_ps(LEAST_REACH))
+                & at_least!(scale, _mm512_set1_ps(LEAST_SCALE))
+                & at_least!(_mm512_set1_ps(MOST_SCALE), scale)
+                & at_least!(_mm512_set1_ps(MOST_SCALE), error);
+            let (end, nearest) =
+                (_mm512_mul_ps(_mm512_set1_ps(limit), scale), _mm512_sub_ps(distance, error));
+            let candidates = may_hit & !(sure & below!(end, nearest));
+            if candidates == 0 {
+                return 0;
+            }
+            _mm512_store_ps(quad.distance.as_mut_ptr(), distance);
+            _mm512_store_ps(quad.scale.as_mut_ptr(), scale);
+            _mm512_store_ps(quad.error.as_mut_ptr(), error);
+            quad.sure = _pext_u32(sure, 0x1111);
+            _pext_u32(candidates, 0x1111)
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn may_hit(self, shear: &Shear, corners: &[[*const [f32; 3]; 3]; 4]) -> u32 {
         // SAFETY: the token proves the instructions; the masks read three f32 of each corner.
         unsafe {
             // Corner `k` of four triangles, each in its own quarter: x, y, z of the ray's frame, nothing. Macros, since closures fall out
@@ -157,6 +272,12 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
+    unsafe fn decide(self, shear: &Shear, corners: [*const [f32; 3]; 3]) -> Option<Intersection> {
+        // SAFETY: the token proves AVX2; the caller vouches for the corners.
+        unsafe { decide_by_lanes(shear, corners) }
+    }
+
+    #[inline(always)]
     fn columns(self, records: &[[f32; 8]]) -> [F32; 8] {
         let records = records[..WIDTH].as_flattened();
         // SAFETY: the token proves the instructions; 16 records are eight vectors.
@@ -185,6 +306,41 @@ impl Simd for Avx512 {
         // SAFETY: the token proves the instructions; `to` has 16 entries.
         unsafe { _mm512_storeu_si512(to.as_mut_ptr().cast(), _mm512_maskz_compress_epi32(mask.0, x.0)) };
         mask.0.count_ones() as usize
+    }
+
+    #[inline(always)]
+    unsafe fn least_and_others(self, mask: u32, keys: U32, tag: u32, others: *mut [u32; 2]) -> u32 {
+        let count = mask.count_ones() as usize;
+        if count > 4 {
+            let mut packed = [0; WIDTH];
+            self.compress(Bits(mask as u16), keys, &mut packed);
+            // SAFETY: the caller's promise.
+            return unsafe { order::least_and_others(&mut packed, count, tag, others) };
+        }
+        // SAFETY: the token proves the instructions; four pairs are written.
+        unsafe {
+            let none = _mm512_set1_epi32(-1);
+            let keys = _mm512_castsi512_si128(_mm512_mask_compress_epi32(none, mask as u16, keys.0));
+            // The least by itself, as walks wait for it alone.
+            let least = _mm_min_epu32(keys, _mm_shuffle_epi32::<0b01_00_11_10>(keys));
+            let least = _mm_min_epu32(least, _mm_shuffle_epi32::<0b10_11_00_01>(least));
+            // A network for four, ascending: neighbours, then every second one, then the middle.
+            macro_rules! exchange {
+                ($keys:ident, $order:literal, $larger:literal) => {{
+                    let other = _mm_shuffle_epi32::<$order>($keys);
+                    _mm_blend_epi32::<$larger>(_mm_min_epu32($keys, other), _mm_max_epu32($keys, other))
+                }};
+            }
+            let keys = exchange!(keys, 0b10_11_00_01, 0b1010);
+            let keys = exchange!(keys, 0b01_00_11_10, 0b1100);
+            let keys = exchange!(keys, 0b11_01_10_00, 0b0100);
+            let descending = _mm_loadu_si128(DESCENDING[count].as_ptr().cast());
+            let keys = _mm_castps_si128(_mm_permutevar_ps(_mm_castsi128_ps(keys), descending));
+            let tags = _mm_set1_epi32(tag as i32);
+            _mm_storeu_si128(others.cast(), _mm_unpacklo_epi32(keys, tags));
+            _mm_storeu_si128(others.add(2).cast(), _mm_unpackhi_epi32(keys, tags));
+            _mm_cvtsi128_si32(least) as u32
+        }
     }
 
     #[inline(always)]
@@ -248,6 +404,21 @@ impl Simd for Avx512 {
             F32(_mm512_permutex2var_ps(a, index.0, b))
         }
     }
+}
+
+/// Which of four ascending keys follow each other where only so many are keys, without the first: from the greatest on.
+const DESCENDING: [[u32; 4]; 5] = [[0; 4], [0; 4], [1, 0, 0, 0], [2, 1, 0, 0], [3, 2, 1, 0]];
+
+/// Axes that play x, y and z, by the last one of them.
+const AXES: [[u32; 4]; 3] = [[1, 2, 0, 3], [2, 0, 1, 3], [0, 1, 2, 3]];
+
+/// A ray's frame: axes that play x, y and z, the origin, and the slopes, in each quarter; `along` everywhere.
+#[derive(Clone, Copy)]
+pub(crate) struct Frame {
+    axes: __m512i,
+    origin: __m512,
+    slope: __m512,
+    along: __m512,
 }
 
 #[inline(always)]

@@ -11,9 +11,11 @@
 //!    arrays, is the oracle of the tests; rays go one by one where there are no vectors.
 //! 4. Kernels see 16 lanes at every level: AVX2 is [`Twice`] 8 of them, SSE2 and NEON twice twice 4.
 
+mod four;
 mod level;
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 mod macros;
+mod order;
 #[cfg(test)]
 mod scalar;
 #[cfg(test)]
@@ -31,6 +33,7 @@ mod sse2;
 
 pub use level::{InstructionSet, UnknownInstructionSet};
 
+pub(crate) use four::Four;
 pub(crate) use level::Kernel;
 #[cfg(test)]
 pub(crate) use scalar::Scalar;
@@ -41,7 +44,7 @@ pub(crate) use neon::Neon;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use {avx2::Avx2, avx512::Avx512, sse2::Sse2};
 
-use crate::geometry::Shear;
+use crate::geometry::{Estimate, Intersection, Shear};
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Shl, Shr, Sub};
 
 /// Proof that the processor has an instruction set, and its operations on vectors of [`Simd::WIDTH`] lanes.
@@ -72,6 +75,8 @@ pub(crate) trait Simd: Copy + Send + Sync + 'static {
         + BitXor<Output = Self::U>
         + Shl<u32, Output = Self::U>
         + Shr<u32, Output = Self::U>;
+    /// A ray's frame, as [`Simd::quad`] takes it.
+    type Frame: Copy;
     /// Yes or no a lane.
     type M: Copy + BitAnd<Output = Self::M> + BitOr<Output = Self::M> + Not<Output = Self::M>;
 
@@ -111,12 +116,28 @@ pub(crate) trait Simd: Copy + Send + Sync + 'static {
         a * b + c
     }
 
-    /// Which of four triangles a ray may hit, a bit each, decided as [`Shear::may_hit`] does.
+    /// What [`Simd::quad`] needs of a ray.
+    fn frame(self, shear: &Shear) -> Self::Frame;
+    /// Which of four triangles a ray may hit at `limit` or before, a bit each, decided as [`Shear::may_hit`] does; those that it surely hits
+    /// behind `limit` are left out. Where there are any, `quad` says what is known of them.
+    ///
+    /// # Safety
+    /// Every pointer must be that of a corner: three f32.
+    unsafe fn quad(
+        self,
+        frame: &Self::Frame,
+        corners: &[[*const [f32; 3]; 3]; 4],
+        limit: f32,
+        quad: &mut Quad,
+    ) -> u32;
+
+    /// Which of four triangles a ray may hit, a bit each, decided as [`Shear::may_hit`] does: [`Simd::quad`] without what it says besides, for streams,
+    /// where f64 soon costs less than that.
     ///
     /// # Safety
     /// Every pointer must be that of a corner: three f32.
     #[inline(always)]
-    unsafe fn quad(self, shear: &Shear, corners: &[[*const [f32; 3]; 3]; 4]) -> u32 {
+    unsafe fn may_hit(self, shear: &Shear, corners: &[[*const [f32; 3]; 3]; 4]) -> u32 {
         let mut hits = 0;
         for (k, &[a, b, c]) in corners.iter().enumerate() {
             // SAFETY: the caller's promise.
@@ -125,11 +146,36 @@ pub(crate) trait Simd: Copy + Send + Sync + 'static {
         }
         hits
     }
+    /// [`Shear::decide`] of a triangle whose corners stand here.
+    ///
+    /// # Safety
+    /// Every pointer must be that of a corner: three f32.
+    #[inline(always)]
+    unsafe fn decide(self, shear: &Shear, [a, b, c]: [*const [f32; 3]; 3]) -> Option<Intersection> {
+        // SAFETY: the caller's promise.
+        shear.decide(&unsafe { [*a, *b, *c] })
+    }
 
     /// `a` where it is the larger, else `b`: as `prepared::larger`, so a NaN in `a` is passed over.
     fn larger(self, a: Self::F, b: Self::F) -> Self::F;
     /// `a` where it is the smaller, else `b`.
     fn smaller(self, a: Self::F, b: Self::F) -> Self::F;
+    /// The larger of two distances of which one is not negative, or else any negative one. Their bits order as integers, which takes a
+    /// quarter of the time where there are such instructions. −0 counts as negative, and there must be no NaN.
+    #[inline(always)]
+    fn later(self, a: Self::F, b: Self::F) -> Self::F {
+        self.larger(a, b)
+    }
+    /// The smaller of two distances that are not negative, or else a negative one; as [`Simd::later`].
+    #[inline(always)]
+    fn sooner(self, a: Self::F, b: Self::F) -> Self::F {
+        self.smaller(a, b)
+    }
+    /// a ≤ b, where `a` is not negative; as [`Simd::later`].
+    #[inline(always)]
+    fn not_after(self, a: Self::F, b: Self::F) -> Self::M {
+        self.le(a, b)
+    }
     /// The least lane. NaN may be passed over.
     #[inline(always)]
     fn least(self, x: Self::F) -> f32 {
@@ -197,6 +243,19 @@ pub(crate) trait Simd: Copy + Send + Sync + 'static {
     /// The lanes that the mask names, packed to the front of `to`; returns how many. What follows them in the first
     /// `WIDTH` entries is overwritten with anything. Panics when `to` is shorter than that.
     fn compress(self, mask: Self::M, x: Self::U, to: &mut [u32]) -> usize;
+
+    /// Takes the keys of the lanes that `mask` names, two or more, all below 2³¹. Returns the least, and writes the others
+    /// to `others`, each with `tag` behind it, the greatest first. What follows them there is overwritten with anything.
+    ///
+    /// # Safety
+    /// There must be room for 16 pairs.
+    #[inline(always)]
+    unsafe fn least_and_others(self, mask: u32, keys: Self::U, tag: u32, others: *mut [u32; 2]) -> u32 {
+        let mut packed = [0; 16];
+        let count = self.compress(self.mask(mask), keys, &mut packed);
+        // SAFETY: the caller's promise.
+        unsafe { order::least_and_others(&mut packed, count, tag, others) }
+    }
 
     /// The f32 at `base + index · SCALE` bytes, each lane its own. Any alignment.
     ///
@@ -328,6 +387,64 @@ fn lanes<S: Simd, const WIDTH: usize>(simd: S, x: S::U) -> [u32; WIDTH] {
     let mut lanes = [0; WIDTH];
     simd.store_u32(x, &mut lanes);
     lanes
+}
+
+/// What [`Simd::quad`] knows of four triangles; each has its place in every fourth lane.
+#[repr(align(64))]
+pub(crate) struct Quad {
+    /// A bit a triangle: [`Estimate::sure`].
+    sure: u32,
+    distance: [f32; 16],
+    scale: [f32; 16],
+    error: [f32; 16],
+}
+
+impl Quad {
+    pub(crate) fn new() -> Self {
+        Self { sure: 0, distance: [0.0; 16], scale: [0.0; 16], error: [0.0; 16] }
+    }
+
+    /// Of the triangle at a place below 4.
+    #[inline(always)]
+    pub(crate) fn estimate(&self, place: usize) -> Estimate {
+        let at = 4 * (place & 3);
+        Estimate {
+            sure: self.sure >> place & 1 == 1,
+            distance: self.distance[at],
+            scale: self.scale[at],
+            error: self.error[at],
+        }
+    }
+}
+
+/// [`Simd::quad`] without vectors.
+///
+/// # Safety
+/// Every pointer must be that of a corner: three f32.
+#[inline(always)]
+unsafe fn quad_one_by_one(
+    shear: &Shear,
+    corners: &[[*const [f32; 3]; 3]; 4],
+    limit: f32,
+    quad: &mut Quad,
+) -> u32 {
+    let mut hits = 0;
+    quad.sure = 0;
+    for (k, &[a, b, c]) in corners.iter().enumerate() {
+        // SAFETY: the caller's promise.
+        let corners = unsafe { [*a, *b, *c] };
+        if !shear.may_hit(&corners) {
+            continue;
+        }
+        let estimate = shear.estimate(&corners);
+        if !estimate.is_behind(limit) {
+            hits |= 1 << k;
+            quad.sure |= u32::from(estimate.sure) << k;
+            (quad.distance[4 * k], quad.scale[4 * k], quad.error[4 * k]) =
+                (estimate.distance, estimate.scale, estimate.error);
+        }
+    }
+    hits
 }
 
 /// Asks for the cache line at an address, which may be any: a hint, and nothing where there is none.

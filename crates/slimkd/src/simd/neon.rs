@@ -3,7 +3,7 @@
 //! Compiles with the toolchain's target; untested, for want of such a machine.
 
 use super::macros::{methods, operators, through_memory, vectors};
-use super::{Simd, lanes};
+use super::{Quad, Shear, Simd, lanes, quad_one_by_one};
 use std::arch::aarch64::*;
 use std::array::from_fn;
 
@@ -48,7 +48,24 @@ impl Simd for Neon {
     type F = F32;
     type D = F64;
     type U = U32;
+    type Frame = Shear;
     type M = Mask;
+
+    #[inline(always)]
+    fn frame(self, shear: &Shear) -> Shear {
+        *shear
+    }
+    #[inline(always)]
+    unsafe fn quad(
+        self,
+        frame: &Shear,
+        corners: &[[*const [f32; 3]; 3]; 4],
+        limit: f32,
+        quad: &mut Quad,
+    ) -> u32 {
+        // SAFETY: the caller's promise.
+        unsafe { quad_one_by_one(frame, corners, limit, quad) }
+    }
 
     methods! {
         f32s(x: f32) -> F32 = F32(vdupq_n_f32(x));

@@ -2,7 +2,7 @@
 //!
 //! Nothing is inlined: kernels of thousands of unrolled lanes took minutes to compile, and nobody waits for the oracle.
 
-use super::Simd;
+use super::{Quad, Shear, Simd, quad_one_by_one};
 use std::array::from_fn;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Shl, Shr, Sub};
 
@@ -87,7 +87,24 @@ impl Simd for Scalar {
     type F = Array<f32>;
     type D = Array<f64>;
     type U = Array<u32>;
+    type Frame = Shear;
     type M = Array<bool>;
+
+    #[inline(always)]
+    fn frame(self, shear: &Shear) -> Shear {
+        *shear
+    }
+    #[inline(always)]
+    unsafe fn quad(
+        self,
+        frame: &Shear,
+        corners: &[[*const [f32; 3]; 3]; 4],
+        limit: f32,
+        quad: &mut Quad,
+    ) -> u32 {
+        // SAFETY: the caller's promise.
+        unsafe { quad_one_by_one(frame, corners, limit, quad) }
+    }
 
     #[inline(never)]
     fn f32s(self, x: f32) -> Self::F {

@@ -1,7 +1,7 @@
 //! SSE2: 4 lanes, what every x86-64 has. Gathers, permutes and compression go through memory.
 
 use super::macros::{methods, operators, through_memory, vectors};
-use super::{Simd, lanes, load_row, load_two};
+use super::{Quad, Shear, Simd, lanes, load_row, load_two, quad_one_by_one};
 use std::arch::x86_64::*;
 
 const WIDTH: usize = 4;
@@ -45,7 +45,24 @@ impl Simd for Sse2 {
     type F = F32;
     type D = F64;
     type U = U32;
+    type Frame = Shear;
     type M = Mask;
+
+    #[inline(always)]
+    fn frame(self, shear: &Shear) -> Shear {
+        *shear
+    }
+    #[inline(always)]
+    unsafe fn quad(
+        self,
+        frame: &Shear,
+        corners: &[[*const [f32; 3]; 3]; 4],
+        limit: f32,
+        quad: &mut Quad,
+    ) -> u32 {
+        // SAFETY: the caller's promise.
+        unsafe { quad_one_by_one(frame, corners, limit, quad) }
+    }
 
     methods! {
         f32s(x: f32) -> F32 = F32(_mm_set1_ps(x));

@@ -1,6 +1,6 @@
 //! Two vectors as one of twice the width.
 
-use super::{Shear, Simd};
+use super::{Intersection, Quad, Shear, Simd};
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Not, Shl, Shr, Sub};
 
 /// Twice as many lanes: the lower half first.
@@ -64,6 +64,7 @@ impl<S: Simd> Simd for Twice<S> {
     type F = Pair<S::F>;
     type D = Pair<S::D>;
     type U = Pair<S::U>;
+    type Frame = S::Frame;
     type M = Pair<S::M>;
 
     #[inline(always)]
@@ -99,13 +100,45 @@ impl<S: Simd> Simd for Twice<S> {
         Pair(self.0.load_u16(from), self.0.load_u16(&from[S::WIDTH..]))
     }
     #[inline(always)]
+    fn later(self, a: Self::F, b: Self::F) -> Self::F {
+        Pair(self.0.later(a.0, b.0), self.0.later(a.1, b.1))
+    }
+    #[inline(always)]
+    fn sooner(self, a: Self::F, b: Self::F) -> Self::F {
+        Pair(self.0.sooner(a.0, b.0), self.0.sooner(a.1, b.1))
+    }
+    #[inline(always)]
+    fn not_after(self, a: Self::F, b: Self::F) -> Self::M {
+        Pair(self.0.not_after(a.0, b.0), self.0.not_after(a.1, b.1))
+    }
+    #[inline(always)]
     fn bound_mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
         Pair(self.0.bound_mul_add(a.0, b.0, c.0), self.0.bound_mul_add(a.1, b.1, c.1))
     }
     #[inline(always)]
-    unsafe fn quad(self, shear: &Shear, corners: &[[*const [f32; 3]; 3]; 4]) -> u32 {
+    fn frame(self, shear: &Shear) -> Self::Frame {
+        self.0.frame(shear)
+    }
+    #[inline(always)]
+    unsafe fn quad(
+        self,
+        frame: &Self::Frame,
+        corners: &[[*const [f32; 3]; 3]; 4],
+        limit: f32,
+        quad: &mut Quad,
+    ) -> u32 {
         // SAFETY: the caller's promise.
-        unsafe { self.0.quad(shear, corners) }
+        unsafe { self.0.quad(frame, corners, limit, quad) }
+    }
+    #[inline(always)]
+    unsafe fn may_hit(self, shear: &Shear, corners: &[[*const [f32; 3]; 3]; 4]) -> u32 {
+        // SAFETY: the caller's promise.
+        unsafe { self.0.may_hit(shear, corners) }
+    }
+    #[inline(always)]
+    unsafe fn decide(self, shear: &Shear, corners: [*const [f32; 3]; 3]) -> Option<Intersection> {
+        // SAFETY: the caller's promise.
+        unsafe { self.0.decide(shear, corners) }
     }
     #[inline(always)]
     fn store(self, x: Self::F, to: &mut [f32]) {

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `prepared.rs` | what a ray carries, and the proof that no hit is lost at a split plane |
 //! | `single.rs` | the walk of one ray |
-//! | `wide/` | the walk of one ray through wide nodes |
+//! | `wide/` | wide nodes: the walk of one ray, streams, coherent groups |
 //! | `sink.rs`, `conditions.rs` | what a query does with hits, and which of them count |
 //! | `stream/` | batches in any order: a ray in each lane |
 //! | `packet/` | coherent batches: 64 rays share one walk |

@@ -36,6 +36,7 @@ use super::counters::count;
 use super::sink::Sink;
 use crate::geometry::{Aabb, Intersection, Ray, Shear};
 use crate::layout::Planes;
+use crate::simd::Four;
 
 /// Half-width of a split plane relative to M; derived in the module head.
 const SLACK: f32 = 1.0 / (1 << 19) as f32;
@@ -57,14 +58,14 @@ pub(super) const PARALLEL: f32 = 1.0 / (1u64 << 60) as f32;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PreparedRay {
     pub(crate) shear: Shear,
-    /// The origin in the tree's plane coordinates.
-    pub(crate) plane_origin: [f32; 3],
+    /// The origin in the tree's plane coordinates; here and below, a fourth number counts for nothing.
+    pub(crate) plane_origin: [f32; 4],
     /// The ray's distance in scaled units for each plane unit along an axis.
-    pub(crate) inverse: [f32; 3],
+    pub(crate) inverse: [f32; 4],
     /// Half the widths of slabs along the ray, in scaled units, for each axis: the *width* of the module head.
-    pub(crate) slack: [f32; 3],
+    pub(crate) slack: [f32; 4],
     /// All ones where the ray descends on that axis, so that the right child is the near one; else 0.
-    pub(crate) descends: [u32; 3],
+    pub(crate) descends: [u32; 4],
     /// The ray's interval inside the scene's bounds, in scaled units.
     pub(crate) enter: f32,
     pub(crate) exit: f32,
@@ -76,6 +77,20 @@ pub(crate) struct PreparedRay {
 }
 
 impl PreparedRay {
+    /// Stands where there is no ray yet.
+    pub(super) const NONE: Self = Self {
+        shear: Shear { origin: [0.0; 3], axes: [0, 1, 2], slope: [0.0; 2], along: 0.0 },
+        plane_origin: [0.0; 4],
+        inverse: [0.0; 4],
+        slack: [0.0; 4],
+        descends: [0; 4],
+        enter: 0.0,
+        exit: 0.0,
+        t_min: 0.0,
+        t_max: 0.0,
+        scale: 0.0,
+    };
+
     /// `None` when the ray is invalid or passes the bounds by.
     #[inline]
     pub(crate) fn new(ray: &Ray, bounds: &Aabb, planes: &Planes) -> Option<Self> {
@@ -84,53 +99,61 @@ impl PreparedRay {
 
     /// [`PreparedRay::new`] for a ray whose start was moved by as much per axis at most: slabs are wider by twice that on both sides
     /// (`exact.rs`).
-    #[inline]
+    #[inline(always)]
     pub(crate) fn moved(ray: &Ray, moved: f32, bounds: &Aabb, planes: &Planes) -> Option<Self> {
-        if !ray.is_valid() || bounds.is_empty() {
+        let [origin, direction]: [[f32; 4]; 2] = bytemuck::cast(*ray);
+        let (origin, direction) = (Four::new(origin), Four::new(direction));
+        let (low, high) = (Four::three(bounds.min), Four::three(bounds.max));
+        // A lane an axis; what is in the last lane counts for nothing.
+        let most = Four::all(f32::MAX);
+        let finite = origin.abs().up_to(most).and(direction.abs().up_to(most));
+        let valid = finite.and(low.up_to(high)).bits() == 7
+            && direction.differs(Four::all(0.0)).bits() != 0
+            && ray.t_min <= ray.t_max;
+        if !valid {
             return None;
         }
         // 1. Scale the direction to a length near 1 (deviation 3).
-        let shear = Shear::new(ray.origin, ray.direction);
+        let shear = Shear::new(ray.origin, &ray.direction);
         let longest = ray.direction[shear.axes[2]].abs();
         let scale = power_of_two_below(longest);
         // 2. `reach` becomes 4M, from which the slack follows (deviations 1 and 4).
-        let mut reach = 0.0f32;
-        for k in 0..3 {
-            reach =
-                reach.max((bounds.min[k] - ray.origin[k]).abs()).max((bounds.max[k] - ray.origin[k]).abs());
-        }
+        let (to_low, to_high) = (low - origin, high - origin);
+        let [x, y, z, _] = to_low.abs().larger(to_high.abs()).lanes();
+        let reach = larger(x, larger(y, larger(z, 0.0)));
         let least = if longest < f32::MIN_POSITIVE {
             f32::INFINITY
         } else {
             LEAST * larger(scale * LEAST_SCALED, 1.0)
         };
         let reach = 4.0 * (reach + moved * (2.0 / SLACK)) + least;
-        // 3. For each axis: the reciprocal (deviation 2), the width of slabs, and the interval inside the scene's bounds.
-        let (mut inverse, mut widths, mut descends) = ([0.0; 3], [0.0; 3], [0; 3]);
+        // 3. The reciprocal (deviation 2).
+        let direction = direction * Four::all(reciprocal(scale));
+        let parallel = direction.and(Four::all(-0.0)).or(Four::all(PARALLEL));
+        let direction = direction.abs().below(Four::all(PARALLEL)).choose(parallel, direction);
+        let descends = direction.below(Four::all(0.0));
+        let inverted = Four::all(1.0) / direction;
+        // 4. The width of slabs, in the planes' coordinates.
+        let (plane_scale, inverse) = (Four::three(planes.scale), inverted * Four::three(planes.unscale));
+        let width = Four::all(reach) * plane_scale * Four::all(QUARTER_SLACK) + Four::all(planes.cell);
+        let widths = width * inverse.abs();
+        // 5. The interval inside the scene's bounds.
+        let (to_low, to_high) = (to_low * inverted, to_high * inverted);
+        let [a, b, c, _] = (descends.choose(to_high, to_low) - widths).lanes();
+        let [d, e, f, _] = (descends.choose(to_low, to_high) + widths).lanes();
         let (t_min, t_max) = (larger(ray.t_min, f32::MIN), smaller(ray.t_max, f32::MAX));
-        let (mut enter, mut exit) = (t_min * scale, t_max * scale);
-        let unscale = reciprocal(scale);
-        for k in 0..3 {
-            let d = ray.direction[k] * unscale;
-            let d = if d.abs() < PARALLEL { PARALLEL.copysign(d) } else { d };
-            let inverted = 1.0 / d;
-            inverse[k] = inverted * planes.unscale[k];
-            widths[k] = (reach * planes.scale[k] * QUARTER_SLACK + planes.cell) * inverse[k].abs();
-            descends[k] = if d < 0.0 { u32::MAX } else { 0 };
-            let (low, high) =
-                ((bounds.min[k] - ray.origin[k]) * inverted, (bounds.max[k] - ray.origin[k]) * inverted);
-            let (first, last) = if d < 0.0 { (high, low) } else { (low, high) };
-            enter = larger(first - widths[k], enter);
-            exit = smaller(last + widths[k], exit);
+        let enter = larger(c, larger(b, larger(a, t_min * scale)));
+        let exit = smaller(f, smaller(e, smaller(d, t_max * scale)));
+        if enter > exit {
+            return None;
         }
-        (enter <= exit).then(|| Self {
+        let plane_origin = (origin - Four::three(planes.low)) * plane_scale + Four::all(planes.shift);
+        Some(Self {
             shear,
-            plane_origin: std::array::from_fn(|k| {
-                (ray.origin[k] - planes.low[k]) * planes.scale[k] + planes.shift
-            }),
-            inverse,
-            slack: widths,
-            descends,
+            plane_origin: plane_origin.lanes(),
+            inverse: inverse.lanes(),
+            slack: widths.lanes(),
+            descends: descends.lanes().map(f32::to_bits),
             enter,
             exit,
             t_min,

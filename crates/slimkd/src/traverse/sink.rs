@@ -1,11 +1,16 @@
 //! What a query does with the hits that a traversal offers.
 
 use super::conditions::NO_TRIANGLE;
-use crate::geometry::{Hit, Intersection};
+use super::prepared::PreparedRay;
+use crate::geometry::{Estimate, Hit, Intersection};
 use std::cmp::Ordering;
 
+/// The corners of a triangle of the tree.
+pub(crate) trait Corners: Fn(u32) -> [[f32; 3]; 3] {}
+impl<T: Fn(u32) -> [[f32; 3]; 3]> Corners for T {}
+
 /// Receives every intersection that a traversal finds.
-pub(crate) trait Sink {
+pub(crate) trait Sink: Sized {
     /// Whether its rays go side by side with the ones before them more often than not; see deviation 4 of `single.rs`.
     const COHERENT: bool = false;
 
@@ -20,6 +25,21 @@ pub(crate) trait Sink {
     fn decide(&mut self, _corners: &[[f32; 3]; 3], _triangle: u32) -> Option<bool> {
         None
     }
+    /// Takes a triangle that the ray may hit, with what f32 knows of it, and decides no more than it needs. `true` ends the traversal.
+    /// Whoever calls this calls [`Sink::settle`] at the end.
+    #[inline(always)]
+    fn consider(
+        &mut self,
+        ray: &PreparedRay,
+        _estimate: Estimate,
+        triangle: u32,
+        corners: impl Corners,
+    ) -> bool {
+        ray.hand_over(ray.shear.decide(&corners(triangle)), triangle, self)
+    }
+    /// Decides what [`Sink::consider`] left open.
+    #[inline(always)]
+    fn settle(&mut self, _ray: &PreparedRay, _corners: impl Corners) {}
     /// The largest t that still matters, user units.
     fn limit(&self) -> f32;
     /// Whether offering the triangle once more would change nothing.
@@ -35,16 +55,26 @@ pub(crate) trait Sink {
     fn test(&mut self) {}
 }
 
+/// A hit between `t_min` and `t_max`. A function of its own: [`Sink::consider`] rarely needs it.
+#[inline(never)]
+fn decide_exactly(ray: &PreparedRay, corners: &[[f32; 3]; 3]) -> Option<Intersection> {
+    ray.shear.decide(corners).filter(|found| ray.t_min <= found.t && found.t <= ray.t_max)
+}
+
 /// The nearest hit; equal t goes to the lowest id.
+#[derive(Clone, Copy)]
 pub(crate) struct Closest {
+    /// Its t is the largest that the nearest hit can have.
     hit: Hit,
+    /// The least t that it can have; `hit` is decided where the two are the same.
+    low: f32,
     except: u32,
 }
 
 impl Closest {
     /// No hit yet: t is the ray's end.
     pub(crate) fn new(t_max: f32, except: u32) -> Self {
-        Self { hit: Hit { t: t_max, u: 0.0, v: 0.0, triangle: NO_TRIANGLE }, except }
+        Self { hit: Hit { t: t_max, u: 0.0, v: 0.0, triangle: NO_TRIANGLE }, low: t_max, except }
     }
 
     pub(crate) fn into_hit(self) -> Option<Hit> {
@@ -58,8 +88,51 @@ impl Sink for Closest {
         let best = &mut self.hit;
         if found.t < best.t || (found.t == best.t && triangle < best.triangle) {
             *best = Hit { t: found.t, u: found.u, v: found.v, triangle };
+            self.low = found.t;
         }
         false
+    }
+
+    #[inline(always)]
+    fn consider(
+        &mut self,
+        ray: &PreparedRay,
+        estimate: Estimate,
+        triangle: u32,
+        corners: impl Corners,
+    ) -> bool {
+        let [low, high] = estimate.bounds();
+        if estimate.sure {
+            if low > self.hit.t {
+                return false;
+            }
+            if high < self.low && low >= ray.t_min {
+                self.hit = Hit { t: high, u: 0.0, v: 0.0, triangle };
+                self.low = low;
+                return false;
+            }
+        }
+        // Too close to an edge, to the ray's ends or to the other hit.
+        if let Some(found) = decide_exactly(ray, &corners(triangle)) {
+            if found.t >= self.low {
+                self.settle(ray, corners);
+            }
+            self.offer(found, triangle);
+        }
+        false
+    }
+
+    #[inline(always)]
+    fn settle(&mut self, ray: &PreparedRay, corners: impl Corners) {
+        if self.low < self.hit.t {
+            let triangle = self.hit.triangle;
+            let found = ray.shear.decide(&corners(triangle));
+            debug_assert!(found.is_some_and(|found| self.low <= found.t && found.t <= self.hit.t));
+            if let Some(found) = found {
+                self.hit = Hit { t: found.t, u: found.u, v: found.v, triangle };
+                self.low = found.t;
+            }
+        }
     }
 
     #[inline(always)]
@@ -74,6 +147,7 @@ impl Sink for Closest {
 }
 
 /// Whether there is any hit.
+#[derive(Clone, Copy)]
 pub(crate) struct Any {
     pub(crate) found: bool,
     t_max: f32,
@@ -93,6 +167,21 @@ impl Sink for Any {
     fn offer(&mut self, _: Intersection, _: u32) -> bool {
         self.found = true;
         true
+    }
+
+    #[inline(always)]
+    fn consider(
+        &mut self,
+        ray: &PreparedRay,
+        estimate: Estimate,
+        triangle: u32,
+        corners: impl Corners,
+    ) -> bool {
+        let [low, high] = estimate.bounds();
+        let inside = estimate.sure & (ray.t_min <= low) & (high <= ray.t_max);
+        let outside = estimate.sure & ((high < ray.t_min) | (ray.t_max < low));
+        self.found = inside || !outside && decide_exactly(ray, &corners(triangle)).is_some();
+        self.found
     }
 
     #[inline(always)]

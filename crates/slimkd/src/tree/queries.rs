@@ -33,11 +33,7 @@ impl Walk for KdTree {
             if let Some(prepared) = PreparedRay::new(ray, &self.bounds, &nodes.planes()) {
                 traverse(nodes, self.depth, &prepared, sink);
             }
-        }, wide => {
-            if let Some(ray) = PreparedRay::new(ray, &self.bounds, wide.grid()) {
-                WideWalk { tree: self.traced(wide), ray: &ray, sink }.run_best();
-            }
-        });
+        }, wide => WideWalk { tree: self.traced(wide), ray, sink }.run_best());
     }
 
     fn walk_exact(&self, query: &mut ExactQuery<'_>) {
@@ -52,15 +48,15 @@ impl Walk for KdTree {
 
     fn closest_hits(&self, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {
         with_nodes!(self, nodes => self.traced(nodes).closest_hits(self, job, hits), wide => {
-            let (tree, BatchJob { rays, conditions, instruction_set, .. }) = (self.traced(wide), job);
-            WideClosestHits { tree, rays, conditions, hits }.run_with(instruction_set);
+            let (tree, BatchJob { rays, conditions, coherent, instruction_set }) = (self.traced(wide), job);
+            WideClosestHits { tree, rays, conditions, coherent, hits }.run_with(instruction_set);
         });
     }
 
     fn any_hits(&self, job: BatchJob<'_>, hits: &mut [bool]) {
         with_nodes!(self, nodes => self.traced(nodes).any_hits(self, job, hits), wide => {
-            let (tree, BatchJob { rays, conditions, instruction_set, .. }) = (self.traced(wide), job);
-            WideAnyHits { tree, rays, conditions, hits }.run_with(instruction_set);
+            let (tree, BatchJob { rays, conditions, coherent, instruction_set }) = (self.traced(wide), job);
+            WideAnyHits { tree, rays, conditions, coherent, hits }.run_with(instruction_set);
         });
     }
 }

@@ -63,9 +63,7 @@ impl LeafCode {
         while filled < count {
             let (gap, run, size) = read_code(long(codes));
             next = next.wrapping_add(gap);
-            for k in 0..SPILL {
-                buffer.0[filled + k].write(next.wrapping_add(k as u32));
-            }
+            buffer.write_run(filled, next);
             (filled, next, codes) = (filled + run as usize, next.wrapping_add(run), codes + size);
         }
         count

@@ -76,6 +76,24 @@ impl WideNode {
         (self.steps[0] & !STEP_BITS) as usize
     }
 
+    /// The planes of one axis and side: lower and upper ones of x, of y, of z.
+    ///
+    /// # Safety
+    /// There are six.
+    #[inline(always)]
+    pub(crate) unsafe fn plane(&self, which: u32) -> &[u16; LANES] {
+        // SAFETY: the caller's promise.
+        unsafe { self.planes.get_unchecked(which as usize) }
+    }
+
+    /// The lower corner and the steps, with a value behind each that means nothing: vectors of four.
+    #[inline(always)]
+    pub(crate) fn corner_and_steps(&self) -> ([f32; 4], [u32; 4]) {
+        let words: &[u32; 64] = bytemuck::cast_ref(self);
+        let four = |at: usize| [words[at], words[at + 1], words[at + 2], words[at + 3]];
+        (bytemuck::cast(four(48)), four(51))
+    }
+
     /// All children.
     #[inline(always)]
     pub(crate) fn children(&self) -> usize {

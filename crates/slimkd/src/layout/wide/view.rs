@@ -51,15 +51,42 @@ impl<'a> WideView<'a> {
     /// The node must come from this tree, and the lane must be that of a leaf.
     #[inline(always)]
     pub(crate) unsafe fn ids<'b>(self, node: &WideNode, lane: usize, buffer: &'b mut Ids) -> &'b [u32] {
+        // SAFETY: the caller's promise.
+        let count = unsafe { self.decode(node, lane, buffer) };
+        // SAFETY: that many were written.
+        unsafe { buffer.written(count) }
+    }
+
+    /// The ids of a leaf in fours, the last one of them repeated at the end. They lie in `buffer`.
+    ///
+    /// # Safety
+    /// That of [`WideView::ids`].
+    #[inline(always)]
+    pub(crate) unsafe fn fours<'b>(
+        self,
+        node: &WideNode,
+        lane: usize,
+        buffer: &'b mut Ids,
+    ) -> &'b [[u32; 4]] {
+        // SAFETY: the caller's promise.
+        let count = unsafe { self.decode(node, lane, buffer) };
+        // SAFETY: that many were written.
+        unsafe { buffer.fours(count) }
+    }
+
+    /// Writes the ids of a leaf to `buffer`; returns how many.
+    ///
+    /// # Safety
+    /// That of [`WideView::ids`].
+    #[inline(always)]
+    unsafe fn decode(self, node: &WideNode, lane: usize, buffer: &mut Ids) -> usize {
         debug_assert!(lane >= node.inner() && lane < node.children());
         let long = |at: u32| {
             debug_assert!(at as usize + PADDING <= self.leaves.len());
             // SAFETY: a proven leaf's codes lie before the padding, so 8 bytes from there are inside.
             u64::from_le(unsafe { self.leaves.as_ptr().add(at as usize).cast::<u64>().read_unaligned() })
         };
-        let count = self.code.read(node.leaves + u32::from(node.offsets[lane]), buffer, long);
-        // SAFETY: that many were written.
-        unsafe { buffer.written(count) }
+        self.code.read(node.leaves + u32::from(node.offsets[lane]), buffer, long)
     }
 }
 

@@ -15,19 +15,19 @@ use crate::simd::Simd;
 use crate::traverse::prepared::{larger, smaller};
 
 /// Ends of what the rays have, by axis.
-pub(super) struct Bundle {
+pub(crate) struct Bundle {
     /// The starts that give the least and the most t, plane coordinates.
-    plane_origin: [[f32; 2]; 3],
+    pub(crate) plane_origin: [[f32; 2]; 3],
     /// Least and most of `Group::inverse`; of one sign.
-    inverse: [[f32; 2]; 3],
+    pub(crate) inverse: [[f32; 2]; 3],
     /// The most.
-    slack: [f32; 3],
+    pub(crate) slack: [f32; 3],
 }
 
 impl Bundle {
     /// Of the rays of `lanes`, all of one class.
     #[inline(always)]
-    pub(super) fn new<S: Simd, const G: usize>(s: S, group: &Group<S, G>, class: Class, lanes: u64) -> Self {
+    pub(crate) fn new<S: Simd, const G: usize>(s: S, group: &Group<S, G>, class: Class, lanes: u64) -> Self {
         let (none, all) = (s.f32s(f32::INFINITY), s.f32s(f32::NEG_INFINITY));
         let mut bundle = Self { plane_origin: [[0.0; 2]; 3], inverse: [[0.0; 2]; 3], slack: [0.0; 3] };
         for k in 0..3 {
@@ -58,7 +58,7 @@ impl Bundle {
 
     /// Where the rays meet a plane's slab, scaled units: none before the first, none after the second. NaN says nothing.
     #[inline(always)]
-    pub(super) fn slab(&self, axis: usize, split: f32) -> (f32, f32) {
+    pub(crate) fn slab(&self, axis: usize, split: f32) -> (f32, f32) {
         let (start, [a, b], slack) = (self.plane_origin[axis], self.inverse[axis], self.slack[axis]);
         let (nearest, farthest) = (split - start[0], split - start[1]);
         (smaller(nearest * a, nearest * b) - slack, larger(farthest * a, farthest * b) + slack)

@@ -10,73 +10,86 @@ use crate::traverse::conditions::NO_TRIANGLE;
 use crate::traverse::prepared::{LEAST, LEAST_SCALED, PARALLEL, QUARTER_SLACK};
 
 /// The number of lanes of a vector.
-pub(super) const WIDTH: usize = 16;
+pub(crate) const WIDTH: usize = 16;
 
 /// One quantity of all rays of a group: G vectors.
-pub(super) type Lanes<V, const G: usize> = [V; G];
+pub(crate) type Lanes<V, const G: usize> = [V; G];
 
 /// Prepared rays and their best hits so far.
-pub(super) struct Group<S: Simd, const G: usize> {
-    pub(super) origin: [Lanes<S::F, G>; 3],
+pub(crate) struct Group<S: Simd, const G: usize> {
+    pub(crate) origin: [Lanes<S::F, G>; 3],
     /// As `PreparedRay::plane_origin`: the origin in the tree's plane coordinates.
-    pub(super) plane_origin: [Lanes<S::F, G>; 3],
+    pub(crate) plane_origin: [Lanes<S::F, G>; 3],
     /// As `PreparedRay::inverse`.
-    pub(super) inverse: [Lanes<S::F, G>; 3],
+    pub(crate) inverse: [Lanes<S::F, G>; 3],
     /// As `PreparedRay::slack`.
-    pub(super) slack: [Lanes<S::F, G>; 3],
+    pub(crate) slack: [Lanes<S::F, G>; 3],
     /// As `Shear::slope`.
-    pub(super) slope: [Lanes<S::F, G>; 2],
+    pub(crate) slope: [Lanes<S::F, G>; 2],
     /// The direction's longest component.
-    pub(super) along: Lanes<S::F, G>,
+    pub(crate) along: Lanes<S::F, G>,
     /// The ray's interval inside the scene's bounds, in scaled units; empty for rays that miss the bounds.
-    pub(super) enter: Lanes<S::F, G>,
-    pub(super) exit: Lanes<S::F, G>,
+    pub(crate) enter: Lanes<S::F, G>,
+    pub(crate) exit: Lanes<S::F, G>,
     /// As `PreparedRay::t_min`: the user's, cut to a finite number.
-    pub(super) t_min: Lanes<S::F, G>,
+    pub(crate) t_min: Lanes<S::F, G>,
     /// As `PreparedRay::scale`.
-    pub(super) scale: Lanes<S::F, G>,
+    pub(crate) scale: Lanes<S::F, G>,
     /// The largest t that still matters, in the user's units: the best hit's, at first t_max.
-    pub(super) limit: Lanes<S::F, G>,
+    pub(crate) limit: Lanes<S::F, G>,
     /// The best hit's triangle; `u32::MAX` where there is no hit.
-    pub(super) triangle: Lanes<S::U, G>,
-    pub(super) u: Lanes<S::F, G>,
-    pub(super) v: Lanes<S::F, G>,
+    pub(crate) triangle: Lanes<S::U, G>,
+    pub(crate) u: Lanes<S::F, G>,
+    pub(crate) v: Lanes<S::F, G>,
     /// The triangle that each ray leaves out; `u32::MAX`, which no triangle is, for none.
-    pub(super) except: Lanes<S::U, G>,
+    pub(crate) except: Lanes<S::U, G>,
 }
 
 /// What decides the class of each ray; bit `i` of each mask is ray `i`.
 #[derive(Clone, Copy)]
-pub(super) struct Classes {
+pub(crate) struct Classes {
     /// Rays that are valid and meet the bounds.
-    pub(super) traced: u64,
+    pub(crate) traced: u64,
     /// For each axis, the rays whose direction is negative on it.
-    pub(super) negative: [u64; 3],
+    pub(crate) negative: [u64; 3],
     /// Rays whose longest component is on axis 0, on axis 1.
     longest: [u64; 2],
 }
 
 /// A class of rays: what all rays of one walk have in common.
 #[derive(Clone, Copy)]
-pub(super) struct Class {
+pub(crate) struct Class {
     /// For each axis, 1 where the rays' direction is negative, so that the right child is the near one; else 0.
-    pub(super) descends: [u32; 3],
+    pub(crate) descends: [u32; 3],
     /// As `Shear::axes`: the axes in the order in which the longest one is last.
-    pub(super) axes: [usize; 3],
+    pub(crate) axes: [usize; 3],
 }
 
 impl Class {
     /// Whether the longest component is negative.
     #[inline(always)]
-    pub(super) fn goes_down(&self) -> bool {
+    pub(crate) fn goes_down(&self) -> bool {
         self.descends[self.axes[2]] != 0
     }
 }
 
 impl Classes {
+    /// How many rays differ from most others in a sign or in the longest axis, summed over these: up to 32 where a tile of pixels lies across one
+    /// boundary, about 100 where directions are any.
+    #[inline(always)]
+    pub(crate) fn mixed(&self) -> u32 {
+        let all = self.traced.count_ones();
+        let mut mixed = 0;
+        for mask in [self.negative[0], self.negative[1], self.negative[2], self.longest[0], self.longest[1]] {
+            let yes = (mask & self.traced).count_ones();
+            mixed += yes.min(all - yes);
+        }
+        mixed
+    }
+
     /// The class of ray `index`, and all of `among` that share it.
     #[inline(always)]
-    pub(super) fn of(&self, index: u32, among: u64) -> (Class, u64) {
+    pub(crate) fn of(&self, index: u32, among: u64) -> (Class, u64) {
         let mut lanes = among;
         let mut keep = |mask: u64| {
             let yes = mask >> index & 1 == 1;
@@ -103,7 +116,7 @@ const NO_RAY: Ray = Ray { origin: [0.0; 3], direction: [0.0; 3], t_min: 0.0, t_m
 impl<S: Simd, const G: usize> Group<S, G> {
     /// A group without rays; [`Group::fill`] puts them in.
     #[inline(always)]
-    pub(super) fn new(s: S) -> Self {
+    pub(crate) fn new(s: S) -> Self {
         let zeros = [s.f32s(0.0); G];
         Self {
             origin: [zeros; 3],
@@ -127,7 +140,7 @@ impl<S: Simd, const G: usize> Group<S, G> {
     /// Prepares at most 16·G rays, which have no hit yet, and fills up with [`NO_RAY`]. It works in place, because a group takes 7 kB:
     /// moving it twice took 7 % of the time.
     #[inline(always)]
-    pub(super) fn fill(&mut self, s: S, rays: &[Ray], bounds: &Aabb, planes: &Planes) -> Classes {
+    pub(crate) fn fill(&mut self, s: S, rays: &[Ray], bounds: &Aabb, planes: &Planes) -> Classes {
         if rays.len() >= G * WIDTH {
             return self.prepare_all(s, &rays[..G * WIDTH], bounds, planes);
         }
@@ -138,7 +151,7 @@ impl<S: Simd, const G: usize> Group<S, G> {
 
     /// Sets the triangle that each ray leaves out.
     #[inline(always)]
-    pub(super) fn leave_out(&mut self, s: S, except: Option<&[u32]>) {
+    pub(crate) fn leave_out(&mut self, s: S, except: Option<&[u32]>) {
         let Some(except) = except else { return };
         let mut lanes = [[NO_TRIANGLE; WIDTH]; G];
         lanes.as_flattened_mut()[..except.len()].copy_from_slice(except);
@@ -253,7 +266,7 @@ impl<S: Simd, const G: usize> Group<S, G> {
 
     /// Whether all rays of `lanes` start at the point `eye`, to the last bit.
     #[inline(always)]
-    pub(super) fn all_start_at(&self, s: S, eye: [f32; 3], lanes: u64) -> bool {
+    pub(crate) fn all_start_at(&self, s: S, eye: [f32; 3], lanes: u64) -> bool {
         let mut same = lanes;
         for g in 0..G {
             let mut here = s.mask(u32::MAX);
@@ -267,7 +280,7 @@ impl<S: Simd, const G: usize> Group<S, G> {
 
     /// A copy of vector `g` as a group of its own: a packet.
     #[inline(always)]
-    pub(super) fn part(&self, g: usize) -> Group<S, 1> {
+    pub(crate) fn part(&self, g: usize) -> Group<S, 1> {
         Group {
             origin: [[self.origin[0][g]], [self.origin[1][g]], [self.origin[2][g]]],
             plane_origin: [[self.plane_origin[0][g]], [self.plane_origin[1][g]], [self.plane_origin[2][g]]],
@@ -289,7 +302,7 @@ impl<S: Simd, const G: usize> Group<S, G> {
 
     /// Takes over the hits of `part`, a packet that [`Group::part`] made of vector `g`.
     #[inline(always)]
-    pub(super) fn take(&mut self, g: usize, part: &Group<S, 1>) {
+    pub(crate) fn take(&mut self, g: usize, part: &Group<S, 1>) {
         self.limit[g] = part.limit[0];
         self.triangle[g] = part.triangle[0];
         (self.u[g], self.v[g]) = (part.u[0], part.v[0]);

@@ -17,16 +17,16 @@ use super::Traced;
 use crate::geometry::{Hit, Ray};
 use crate::layout::{Nodes, Planes};
 use crate::simd::{Kernel, Simd};
-use group::{Group, WIDTH};
+pub(super) use bundle::Bundle;
+pub(super) use group::{Class, Group, WIDTH};
 pub(crate) use strays::{Strays, finish};
-use walk::{Eye, Stack, walk};
+pub(super) use walk::{Eye, test_all};
+use walk::{Stack, walk};
 
 /// The number of vectors in a group.
 const VECTORS: usize = 4;
 /// The number of rays in a group.
 const RAYS: usize = VECTORS * WIDTH;
-/// A class of fewer rays is walked in packets, not as a group.
-const FEW: u32 = 16;
 /// Fewer rays in a packet are strays.
 const FEWEST: u32 = 7;
 
@@ -43,6 +43,71 @@ const HIT_PLACES: [u32; WIDTH] = {
     places
 };
 
+/// A tree that groups of rays of one class go through.
+pub(crate) trait Grouped: Copy {
+    /// A class of fewer rays does not walk as a group. `mixed` says how much the directions of the 64 rays differ: [`Classes::mixed`].
+    fn few(mixed: u32) -> u32;
+    /// Whether it then walks in packets, the rays of one vector each; else its rays are strays.
+    const PACKETS: bool;
+    /// What a walk needs beside the group. It is made once and used by one walk after the other.
+    type Stack<S: Simd, const G: usize>;
+
+    fn stack<S: Simd, const G: usize>(depth: u32) -> Self::Stack<S, G>;
+
+    /// The coordinates in which rays are prepared.
+    fn coordinates(self) -> Planes;
+
+    /// The rays of a group that its walks take, a bit each.
+    fn takes<S: Simd, const G: usize>(self, _: S, _: &Group<S, G>) -> u64 {
+        u64::MAX
+    }
+
+    /// Traces the rays of `lanes`, which are all of one class, and with `COMMON` all start at `eye`.
+    #[allow(clippy::too_many_arguments)]
+    fn walk<S: Simd, const G: usize, const COMMON: bool, const ANY: bool>(
+        self,
+        s: S,
+        group: &mut Group<S, G>,
+        class: Class,
+        lanes: u64,
+        eye: Eye,
+        stack: &mut Self::Stack<S, G>,
+    );
+}
+
+/// A class of fewer rays is walked in packets, not as a group.
+const FEW: u32 = 16;
+
+impl<N: Nodes> Grouped for N {
+    const PACKETS: bool = true;
+    type Stack<S: Simd, const G: usize> = Stack<S, G>;
+
+    fn stack<S: Simd, const G: usize>(depth: u32) -> Stack<S, G> {
+        Vec::with_capacity(depth as usize)
+    }
+
+    fn few(_: u32) -> u32 {
+        FEW
+    }
+
+    fn coordinates(self) -> Planes {
+        self.planes()
+    }
+
+    #[inline(always)]
+    fn walk<S: Simd, const G: usize, const COMMON: bool, const ANY: bool>(
+        self,
+        s: S,
+        group: &mut Group<S, G>,
+        class: Class,
+        lanes: u64,
+        eye: Eye,
+        stack: &mut Stack<S, G>,
+    ) {
+        walk::<S, N, G, COMMON, ANY>(s, self, group, class, lanes, eye, stack);
+    }
+}
+
 /// Closest hits of coherent rays.
 pub(crate) struct ClosestHits<'a, N> {
     pub(crate) tree: Traced<'a, N>,
@@ -52,13 +117,13 @@ pub(crate) struct ClosestHits<'a, N> {
     pub(crate) hits: &'a mut [Option<Hit>],
 }
 
-impl<N: Nodes> Kernel for ClosestHits<'_, N> {
+impl<N: Grouped> Kernel for ClosestHits<'_, N> {
     type Output = Strays;
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> Strays {
-        let planes = self.tree.nodes.planes();
-        let mut stacks = Stacks::new(self.tree.depth);
+        let planes = self.tree.nodes.coordinates();
+        let mut stacks = Stacks::<S, N>::new(self.tree.depth);
         let mut group = Group::new(s);
         let mut found = [NOTHING; RAYS];
         let mut strays = Strays::new();
@@ -100,13 +165,13 @@ pub(crate) struct AnyHits<'a, N> {
     pub(crate) hits: &'a mut [bool],
 }
 
-impl<N: Nodes> Kernel for AnyHits<'_, N> {
+impl<N: Grouped> Kernel for AnyHits<'_, N> {
     type Output = Strays;
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> Strays {
-        let planes = self.tree.nodes.planes();
-        let mut stacks = Stacks::new(self.tree.depth);
+        let planes = self.tree.nodes.coordinates();
+        let mut stacks = Stacks::<S, N>::new(self.tree.depth);
         let mut group = Group::new(s);
         let mut strays = Strays::new();
         let mut first = 0;
@@ -130,16 +195,15 @@ impl<N: Nodes> Kernel for AnyHits<'_, N> {
 }
 
 /// The stacks of groups and of packets. They are allocated once and used by one walk after the other.
-struct Stacks<S: Simd> {
-    group: Stack<S, VECTORS>,
-    packet: Stack<S, 1>,
+struct Stacks<S: Simd, N: Grouped> {
+    group: N::Stack<S, VECTORS>,
+    packet: N::Stack<S, 1>,
 }
 
-impl<S: Simd> Stacks<S> {
+impl<S: Simd, N: Grouped> Stacks<S, N> {
     #[inline(always)]
     fn new(depth: u32) -> Self {
-        let depth = depth as usize;
-        Self { group: Vec::with_capacity(depth), packet: Vec::with_capacity(depth) }
+        Self { group: N::stack::<S, VECTORS>(depth), packet: N::stack::<S, 1>(depth) }
     }
 }
 
@@ -147,7 +211,7 @@ impl<S: Simd> Stacks<S> {
 /// the strays, a bit for each ray.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-fn trace<S: Simd, N: Nodes, const ANY: bool>(
+fn trace<S: Simd, N: Grouped, const ANY: bool>(
     s: S,
     tree: Traced<'_, N>,
     planes: &Planes,
@@ -155,13 +219,16 @@ fn trace<S: Simd, N: Nodes, const ANY: bool>(
     except: Option<&[u32]>,
     first: usize,
     group: &mut Group<S, VECTORS>,
-    stacks: &mut Stacks<S>,
+    stacks: &mut Stacks<S, N>,
 ) -> u64 {
     // 1. Prepare the rays; those that are invalid or miss the bounds are not traced.
     let classes = group.fill(s, rays, tree.bounds, planes);
     group.leave_out(s, except.map(|except| &except[first..first + rays.len()]));
-    let mut strays = 0;
     let mut left = if tree.bounds.is_empty() { 0 } else { classes.traced };
+    let taken = tree.nodes.takes(s, group);
+    let few = N::few(classes.mixed());
+    let mut strays = left & !taken;
+    left &= taken;
     while left != 0 {
         // 2. The class of the first ray that is left, and all rays of that class.
         let leader = left.trailing_zeros();
@@ -170,24 +237,24 @@ fn trace<S: Simd, N: Nodes, const ANY: bool>(
         let start = rays[leader as usize].origin;
         let eye = Eye::new(start, planes);
         // 3. Few rays go as packets or are strays; many go as a group, which is faster where all start at one point.
-        if lanes.count_ones() < FEW {
+        if lanes.count_ones() < few {
             for g in 0..VECTORS {
                 let part = lanes >> (g * WIDTH) & 0xffff;
-                if part.count_ones() < FEWEST {
+                if part.count_ones() < FEWEST || !N::PACKETS {
                     strays |= part << (g * WIDTH);
                 } else {
                     let mut packet = group.part(g);
                     let stack = &mut stacks.packet;
-                    walk::<S, N, 1, false, ANY>(s, tree.nodes, &mut packet, class, part, eye, stack);
+                    tree.nodes.walk::<S, 1, false, ANY>(s, &mut packet, class, part, eye, stack);
                     group.take(g, &packet);
                 }
             }
         } else if group.all_start_at(s, start, lanes) {
             let stack = &mut stacks.group;
-            walk::<S, N, VECTORS, true, ANY>(s, tree.nodes, group, class, lanes, eye, stack);
+            tree.nodes.walk::<S, VECTORS, true, ANY>(s, group, class, lanes, eye, stack);
         } else {
             let stack = &mut stacks.group;
-            walk::<S, N, VECTORS, false, ANY>(s, tree.nodes, group, class, lanes, eye, stack);
+            tree.nodes.walk::<S, VECTORS, false, ANY>(s, group, class, lanes, eye, stack);
         }
     }
     strays

@@ -36,7 +36,7 @@ use crate::traverse::counters::count;
 use crate::traverse::prepared::{larger, smaller};
 
 /// A far child to come back to, with the interval of each lane in it.
-pub(super) struct Far<S: Simd, const G: usize> {
+pub(crate) struct Far<S: Simd, const G: usize> {
     enter: Lanes<S::F, G>,
     exit: Lanes<S::F, G>,
     /// An interval around all of these.
@@ -53,18 +53,18 @@ struct Span {
 }
 
 /// Far children, nearest last.
-pub(super) type Stack<S, const G: usize> = Vec<Far<S, G>>;
+pub(crate) type Stack<S, const G: usize> = Vec<Far<S, G>>;
 
 /// The point at which all rays of a walk with `COMMON` start, in scene units and in plane coordinates.
 #[derive(Clone, Copy)]
-pub(super) struct Eye {
+pub(crate) struct Eye {
     at: [f32; 3],
     plane_origin: [f32; 3],
 }
 
 impl Eye {
     #[inline(always)]
-    pub(super) fn new(at: [f32; 3], planes: &Planes) -> Self {
+    pub(crate) fn new(at: [f32; 3], planes: &Planes) -> Self {
         let mut plane_origin = at;
         for k in 0..3 {
             plane_origin[k] = (at[k] - planes.low[k]) * planes.scale[k] + planes.shift;
@@ -76,7 +76,7 @@ impl Eye {
 /// Traces the rays of `lanes`, which are all of one class, and with `COMMON` all start at `eye`.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-pub(super) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const ANY: bool>(
+pub(crate) fn walk<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const ANY: bool>(
     s: S,
     nodes: N,
     group: &mut Group<S, G>,
@@ -232,25 +232,43 @@ unsafe fn offer<S: Simd, N: Nodes, const G: usize, const COMMON: bool, const ANY
             // SAFETY: the caller says that the ids come from this tree.
             next = unsafe { nodes.corners(after) };
         }
-        // The corners in the order of the class's axes, and relative to the common origin if there is one.
-        let mut corners = at;
-        for i in 0..3 {
-            for k in 0..3 {
-                let x = at[i][class.axes[k]];
-                corners[i][k] = if COMMON { x - eye.at[class.axes[k]] } else { x };
-            }
+        test_all::<S, G, COMMON, ANY>(s, group, class, eye, &at, id, &mut active);
+    }
+}
+
+/// Tests a triangle against every vector that has active rays; says whether any hit it. With `ANY`, those are active no longer.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn test_all<S: Simd, const G: usize, const COMMON: bool, const ANY: bool>(
+    s: S,
+    group: &mut Group<S, G>,
+    class: Class,
+    eye: Eye,
+    at: &[[f32; 3]; 3],
+    id: u32,
+    active: &mut Lanes<S::M, G>,
+) -> bool {
+    // The corners in the order of the class's axes, and relative to the common origin if there is one.
+    let mut corners = *at;
+    for i in 0..3 {
+        for k in 0..3 {
+            let x = at[i][class.axes[k]];
+            corners[i][k] = if COMMON { x - eye.at[class.axes[k]] } else { x };
         }
-        for g in 0..G {
-            if s.any(active[g]) {
-                count(|c| {
-                    c.triangle_lanes += WIDTH as u64;
-                    c.ray_triangles += u64::from(s.bits(active[g]).count_ones());
-                });
-                let hit = test::<S, G, COMMON, ANY>(s, group, g, active[g], class, &corners, id);
-                if ANY {
-                    active[g] = active[g] & !hit;
-                }
+    }
+    let mut any = false;
+    for g in 0..G {
+        if s.any(active[g]) {
+            count(|c| {
+                c.triangle_lanes += WIDTH as u64;
+                c.ray_triangles += u64::from(s.bits(active[g]).count_ones());
+            });
+            let hit = test::<S, G, COMMON, ANY>(s, group, g, active[g], class, &corners, id);
+            any |= s.any(hit);
+            if ANY {
+                active[g] = active[g] & !hit;
             }
         }
     }
+    any
 }

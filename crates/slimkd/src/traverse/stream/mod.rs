@@ -27,13 +27,13 @@ mod triangles;
 mod walk;
 
 pub(crate) use answers::Answers;
+pub(super) use prepare::Prepared;
 
 use super::{RayConditions, Traced};
 use crate::geometry::Ray;
 use crate::layout::{Address, LaneNodes};
 use crate::simd::{Kernel, Simd};
 use leaves::Queue;
-use prepare::Prepared;
 use slots::{SLOTS, Slots};
 use walk::Stack;
 

@@ -6,7 +6,7 @@ use super::answers::Answers;
 use crate::geometry::{Aabb, Ray};
 use crate::layout::Planes;
 use crate::simd::{Simd, prefetch};
-use crate::traverse::prepared::{LEAST, LEAST_SCALED, PARALLEL, QUARTER_SLACK};
+use crate::traverse::prepared::{LEAST, LEAST_SCALED, PARALLEL, PreparedRay, QUARTER_SLACK};
 use std::mem::offset_of;
 
 /// A value a ray.
@@ -17,7 +17,7 @@ pub(super) struct Lanes<T>(pub(super) [T; 16]);
 const NONE: Lanes<f32> = Lanes([0.0; 16]);
 
 /// Rays that wait for a slot. Fields as in `Slots`.
-pub(super) struct Prepared {
+pub(crate) struct Prepared {
     /// Position in the batch of the ray in lane 0.
     pub(super) first: u32,
     /// Lanes with a ray that still waits.
@@ -45,7 +45,7 @@ const _: () = assert!(offset_of!(Ray, t_min) == 12 && offset_of!(Ray, t_max) == 
 
 impl Prepared {
     #[inline(always)]
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
             first: 0,
             waiting: 0,
@@ -67,7 +67,7 @@ impl Prepared {
     }
 
     #[inline(always)]
-    pub(super) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.waiting == 0
     }
 
@@ -84,9 +84,45 @@ impl Prepared {
         (filled, from)
     }
 
+    /// Writes one waiting ray to `ray`, if any waits; returns its position in the batch.
+    #[inline(always)]
+    pub(crate) fn take_one(&mut self, ray: &mut PreparedRay) -> Option<usize> {
+        if self.waiting == 0 {
+            return None;
+        }
+        let lane = self.waiting.trailing_zeros() as usize & 15;
+        self.waiting &= self.waiting - 1;
+        macro_rules! take {
+            ($($to:ident)*) => {
+                $(ray.$to = self.$to.0[lane];)*
+            };
+        }
+        take!(enter exit t_min t_max scale);
+        // Where x and y stand, once z is known.
+        let longest = self.longest.0[lane];
+        ray.shear.axes = if longest == 0.0 {
+            [1, 2, 0]
+        } else if longest == 1.0 {
+            [2, 0, 1]
+        } else {
+            [0, 1, 2]
+        };
+        ray.shear.along = self.along.0[lane].into();
+        ray.shear.slope = [self.slope[0].0[lane], self.slope[1].0[lane]];
+        for k in 0..3 {
+            ray.shear.origin[ray.shear.axes[k]] = self.frame_origin[k].0[lane];
+            ray.plane_origin[k] = self.plane_origin[k].0[lane];
+            ray.inverse[k] = self.inverse[k].0[lane];
+            ray.slack[k] = self.slack[k].0[lane];
+            // An inverse is never 0, and has the direction's sign.
+            ray.descends[k] = if ray.inverse[k] < 0.0 { u32::MAX } else { 0 };
+        }
+        Some(self.first as usize + lane)
+    }
+
     /// Prepares the rays from `first` on, at most 16, and answers those that are invalid or pass the bounds by.
     #[inline(always)]
-    pub(super) fn load<S: Simd>(
+    pub(crate) fn load<S: Simd>(
         &mut self,
         s: S,
         rays: &[Ray],

@@ -11,30 +11,49 @@
 //!    So the near side of every such box is at most t, and its far side at least t, and no lane that holds the triangle is passed over.
 //! 2. Rays whose widths are beyond 2¹⁰⁰, or that begin before t = 0, take [`walk_in_f64`], with f64: no value above can
 //!    overflow, and distances order as their bits do.
+//!    They are compared as integers: a box that a hit needs has its far side above 0, by what is left of the width.
 //! 3. Pending children are kept with the distance at which the ray enters them, the lane in its four lowest bits: that is lower than
 //!    the true distance, so nothing is dropped too early. Any-hit rays keep the lanes alone, and take them in their order.
-//! 4. Four triangles are tested at once ([`Simd::quad`]). Those that may be hit are decided by [`Shear::decide`], as everywhere.
+//! 4. Four triangles are tested at once ([`Simd::quad`]). Of those that may be hit, f32 says how far at least and at most the hit is
+//!    (`geometry/estimate.rs` has the bound and its proof). [`Shear::decide`] alone finds hits, in f64, but it is asked only for hits that
+//!    f32 cannot order, and once at the end ([`Sink::consider`], [`Sink::settle`]).
+//!
+//! Batches go through wide nodes as streams (`stream.rs`) and as coherent groups (`group.rs`).
 //!
 //! [`Shear::decide`]: crate::geometry::Shear::decide
 
+mod group;
 mod in_f64;
+mod kept;
+mod leaf;
+mod stream;
 mod walk;
 
 pub(crate) use in_f64::walk_in_f64;
 
 use super::prepared::PreparedRay;
 use super::sink::{Any, Closest, Filtered, Sink};
-use super::{RayConditions, Traced};
+use super::{AnyHits, ClosestHits, RayConditions, Traced, finish_strays};
 use crate::geometry::{Hit, Ray};
 use crate::layout::WideView;
 use crate::simd::{InstructionSet, Kernel, Simd};
 use std::mem::MaybeUninit;
+use stream::WideStream;
 use walk::{WAITING, Walk};
 
 /// The deepest tree whose stack lies on the machine's stack.
 const SMALL_DEPTH: usize = 24;
 /// Widths up to here, and no distance overflows (deviation 2).
 const MOST_WIDTH: f32 = (1u128 << 100) as f32;
+
+/// Batches below this go ray by ray: a stream is not worth setting up.
+const LEAST_STREAM: usize = 16;
+
+/// Whether the walk with vectors takes a ray (deviation 2).
+#[inline(always)]
+fn is_plain(ray: &PreparedRay) -> bool {
+    ray.enter >= 0.0 && ray.slack[0] < MOST_WIDTH && ray.slack[1] < MOST_WIDTH && ray.slack[2] < MOST_WIDTH
+}
 
 /// How one ray goes through a tree.
 trait Way {
@@ -48,18 +67,15 @@ struct ByLanes<V>(V);
 impl<V: Simd> Way for ByLanes<V> {
     #[inline(always)]
     fn walk(&self, tree: &Traced<'_, WideView<'_>>, ray: &PreparedRay, sink: &mut impl Sink) {
-        let &Traced { nodes, depth, .. } = tree;
-        let plain = ray.enter >= 0.0
-            && ray.slack[0] < MOST_WIDTH
-            && ray.slack[1] < MOST_WIDTH
-            && ray.slack[2] < MOST_WIDTH;
-        if !plain {
-            return walk_in_f64(nodes, ray, sink);
+        // By reference: a copy of what was just written would keep the processor waiting for it.
+        let Traced { nodes, depth, .. } = tree;
+        if !is_plain(ray) {
+            return walk_in_f64(*nodes, ray, sink);
         }
-        if (depth as usize) < SMALL_DEPTH {
+        if (*depth as usize) < SMALL_DEPTH {
             Walk::new(self.0, nodes, ray).run(sink, &mut [MaybeUninit::uninit(); SMALL_DEPTH * WAITING]);
         } else {
-            let mut stack = vec![MaybeUninit::uninit(); (depth as usize + 1) * WAITING];
+            let mut stack = vec![MaybeUninit::uninit(); (*depth as usize + 1) * WAITING];
             Walk::new(self.0, nodes, ray).run(sink, &mut stack);
         }
     }
@@ -77,7 +93,7 @@ impl Way for Exactly {
 /// One ray through a tree.
 pub(crate) struct WideWalk<'a, S> {
     pub(crate) tree: Traced<'a, WideView<'a>>,
-    pub(crate) ray: &'a PreparedRay,
+    pub(crate) ray: &'a Ray,
     pub(crate) sink: &'a mut S,
 }
 
@@ -85,8 +101,10 @@ impl<S: Sink> WideWalk<'_, S> {
     /// With the best instructions; a walk that is measured, with the same ones everywhere.
     pub(crate) fn run_best(self) {
         let Self { tree, ray, sink } = self;
-        if S::MEASURED || InstructionSet::run_best(WideWalk { tree, ray, sink: &mut *sink }).is_none() {
-            Exactly.walk(&tree, ray, sink);
+        if (S::MEASURED || InstructionSet::run_best(WideWalk { tree, ray, sink: &mut *sink }).is_none())
+            && let Some(prepared) = PreparedRay::new(ray, tree.bounds, tree.nodes.grid())
+        {
+            Exactly.walk(&tree, &prepared, sink);
         }
     }
 }
@@ -96,23 +114,43 @@ impl<S: Sink> Kernel for WideWalk<'_, S> {
 
     #[inline(always)]
     fn run<V: Simd>(self, s: V) {
-        ByLanes(s).walk(&self.tree, self.ray, self.sink);
+        // Inside the kernel, so that it is prepared with the same instructions.
+        if let Some(prepared) = PreparedRay::moved(self.ray, 0.0, self.tree.bounds, self.tree.nodes.grid()) {
+            ByLanes(s).walk(&self.tree, &prepared, self.sink);
+        }
     }
 }
 
-/// The closest hits of a batch, ray by ray.
+/// The closest hits of a batch: coherent ones as groups, others as a stream, few of them ray by ray.
 pub(crate) struct WideClosestHits<'a> {
     pub(crate) tree: Traced<'a, WideView<'a>>,
     pub(crate) rays: &'a [Ray],
     pub(crate) conditions: RayConditions<'a>,
+    pub(crate) coherent: bool,
     pub(crate) hits: &'a mut [Option<Hit>],
 }
 
 impl WideClosestHits<'_> {
     pub(crate) fn run_with(self, set: InstructionSet) {
-        let Self { tree, rays, conditions, hits } = self;
-        if set.run(WideClosestHits { tree, rays, conditions, hits: &mut *hits }).is_none() {
-            WideClosestHits { tree, rays, conditions, hits }.walk_all(&Exactly);
+        let Self { tree, rays, conditions, coherent, hits } = self;
+        let except = conditions.except;
+        // A filter is asked hit by hit, which streams do anyway.
+        if coherent
+            && conditions.filter.is_none()
+            && let Some(strays) = set.run(ClosestHits { tree, rays, except, hits: &mut *hits })
+        {
+            return finish_strays(rays, hits, except, &strays, |rays, except, hits| {
+                let conditions = RayConditions { except, ..conditions };
+                WideClosestHits { tree, rays, conditions, coherent: false, hits }.run_with(set);
+            });
+        }
+        if rays.len() >= LEAST_STREAM
+            && set.run(WideStream { tree, rays, conditions, answers: &mut *hits }).is_some()
+        {
+            return;
+        }
+        if set.run(WideClosestHits { tree, rays, conditions, coherent, hits: &mut *hits }).is_none() {
+            WideClosestHits { tree, rays, conditions, coherent, hits }.walk_all(&Exactly);
         }
     }
 
@@ -144,19 +182,36 @@ impl Kernel for WideClosestHits<'_> {
     }
 }
 
-/// The answers of a batch of any-hit rays, ray by ray.
+/// The answers of a batch of any-hit rays, likewise.
 pub(crate) struct WideAnyHits<'a> {
     pub(crate) tree: Traced<'a, WideView<'a>>,
     pub(crate) rays: &'a [Ray],
     pub(crate) conditions: RayConditions<'a>,
+    pub(crate) coherent: bool,
     pub(crate) hits: &'a mut [bool],
 }
 
 impl WideAnyHits<'_> {
     pub(crate) fn run_with(self, set: InstructionSet) {
-        let Self { tree, rays, conditions, hits } = self;
-        if set.run(WideAnyHits { tree, rays, conditions, hits: &mut *hits }).is_none() {
-            WideAnyHits { tree, rays, conditions, hits }.walk_all(&Exactly);
+        let Self { tree, rays, conditions, coherent, hits } = self;
+        let except = conditions.except;
+        // A filter is asked hit by hit, which streams do anyway.
+        if coherent
+            && conditions.filter.is_none()
+            && let Some(strays) = set.run(AnyHits { tree, rays, except, hits: &mut *hits })
+        {
+            return finish_strays(rays, hits, except, &strays, |rays, except, hits| {
+                let conditions = RayConditions { except, ..conditions };
+                WideAnyHits { tree, rays, conditions, coherent: false, hits }.run_with(set);
+            });
+        }
+        if rays.len() >= LEAST_STREAM
+            && set.run(WideStream { tree, rays, conditions, answers: &mut *hits }).is_some()
+        {
+            return;
+        }
+        if set.run(WideAnyHits { tree, rays, conditions, coherent, hits: &mut *hits }).is_none() {
+            WideAnyHits { tree, rays, conditions, coherent, hits }.walk_all(&Exactly);
         }
     }
 
