@@ -24,6 +24,7 @@ pub(crate) mod wide;
 pub use encoded::EncodedTree;
 pub(crate) use encoded::{Encoded, encode, size};
 pub(crate) use lanes::{LaneNodes, LaneStep};
+pub(crate) use mesh::MeshView;
 pub(crate) use nodes::{Address, Ids, Inner, LeafMode, MOST_IDS, Nodes, SPILL, Step};
 pub(crate) use planes::Planes;
 pub(crate) use view::{View, with_nodes};

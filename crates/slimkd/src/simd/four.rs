@@ -109,10 +109,6 @@ impl Four {
         larger(a, b) = _mm_max_ps, if a > b { a } else { b }
     }
     operation! {
-        /// As `prepared::smaller`: a NaN in `self` is passed over.
-        smaller(a, b) = _mm_min_ps, if a < b { a } else { b }
-    }
-    operation! {
         /// A mask: all bits where `self` is less; none with a NaN.
         below(a, b) = _mm_cmplt_ps, mask(a < b)
     }

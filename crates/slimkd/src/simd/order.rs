@@ -18,15 +18,15 @@ pub(super) unsafe fn least_and_others(
         up_to_four(keys, count)
     };
     // Three at least are written: a branch for each would be foreseen too rarely.
-    for (k, &key) in keys[..3].iter().enumerate() {
+    // Loops over numbers, since iterators' functions fall out of the inline chain.
+    let written = if count > 4 { count - 1 } else { 3 };
+    for k in 0..3 {
         // SAFETY: the caller's promise.
-        unsafe { others.add(k).write([key, tag]) };
+        unsafe { others.add(k).write([keys[k], tag]) };
     }
-    if count > 4 {
-        for (k, &key) in keys[..count - 1].iter().enumerate().skip(3) {
-            // SAFETY: the caller's promise.
-            unsafe { others.add(k).write([key, tag]) };
-        }
+    for k in 3..written {
+        // SAFETY: the caller's promise.
+        unsafe { others.add(k).write([keys[k], tag]) };
     }
     least
 }

@@ -3,11 +3,8 @@
 use super::conditions::NO_TRIANGLE;
 use super::prepared::PreparedRay;
 use crate::geometry::{Estimate, Hit, Intersection};
+use crate::layout::MeshView;
 use std::cmp::Ordering;
-
-/// The corners of a triangle of the tree.
-pub(crate) trait Corners: Fn(u32) -> [[f32; 3]; 3] {}
-impl<T: Fn(u32) -> [[f32; 3]; 3]> Corners for T {}
 
 /// Receives every intersection that a traversal finds.
 pub(crate) trait Sink: Sized {
@@ -33,13 +30,13 @@ pub(crate) trait Sink: Sized {
         ray: &PreparedRay,
         _estimate: Estimate,
         triangle: u32,
-        corners: impl Corners,
+        mesh: &MeshView<'_>,
     ) -> bool {
-        ray.hand_over(ray.shear.decide(&corners(triangle)), triangle, self)
+        ray.hand_over(ray.shear.decide(&corners_of(mesh, triangle)), triangle, self)
     }
     /// Decides what [`Sink::consider`] left open.
     #[inline(always)]
-    fn settle(&mut self, _ray: &PreparedRay, _corners: impl Corners) {}
+    fn settle(&mut self, _ray: &PreparedRay, _mesh: &MeshView<'_>) {}
     /// The largest t that still matters, user units.
     fn limit(&self) -> f32;
     /// Whether offering the triangle once more would change nothing.
@@ -53,6 +50,13 @@ pub(crate) trait Sink: Sized {
     /// A triangle is tested.
     #[inline(always)]
     fn test(&mut self) {}
+}
+
+/// The corners of a triangle that a leaf of the tree named, since sinks are asked about no others.
+#[inline(always)]
+fn corners_of(mesh: &MeshView<'_>, triangle: u32) -> [[f32; 3]; 3] {
+    // SAFETY: a proved tree's leaves name triangles of its mesh.
+    unsafe { mesh.corners(triangle) }
 }
 
 /// A hit between `t_min` and `t_max`. A function of its own: [`Sink::consider`] rarely needs it.
@@ -99,7 +103,7 @@ impl Sink for Closest {
         ray: &PreparedRay,
         estimate: Estimate,
         triangle: u32,
-        corners: impl Corners,
+        mesh: &MeshView<'_>,
     ) -> bool {
         let [low, high] = estimate.bounds();
         if estimate.sure {
@@ -113,9 +117,9 @@ impl Sink for Closest {
             }
         }
         // Too close to an edge, to the ray's ends or to the other hit.
-        if let Some(found) = decide_exactly(ray, &corners(triangle)) {
+        if let Some(found) = decide_exactly(ray, &corners_of(mesh, triangle)) {
             if found.t >= self.low {
-                self.settle(ray, corners);
+                self.settle(ray, mesh);
             }
             self.offer(found, triangle);
         }
@@ -123,10 +127,10 @@ impl Sink for Closest {
     }
 
     #[inline(always)]
-    fn settle(&mut self, ray: &PreparedRay, corners: impl Corners) {
+    fn settle(&mut self, ray: &PreparedRay, mesh: &MeshView<'_>) {
         if self.low < self.hit.t {
             let triangle = self.hit.triangle;
-            let found = ray.shear.decide(&corners(triangle));
+            let found = ray.shear.decide(&corners_of(mesh, triangle));
             debug_assert!(found.is_some_and(|found| self.low <= found.t && found.t <= self.hit.t));
             if let Some(found) = found {
                 self.hit = Hit { t: found.t, u: found.u, v: found.v, triangle };
@@ -175,12 +179,12 @@ impl Sink for Any {
         ray: &PreparedRay,
         estimate: Estimate,
         triangle: u32,
-        corners: impl Corners,
+        mesh: &MeshView<'_>,
     ) -> bool {
         let [low, high] = estimate.bounds();
         let inside = estimate.sure & (ray.t_min <= low) & (high <= ray.t_max);
         let outside = estimate.sure & ((high < ray.t_min) | (ray.t_max < low));
-        self.found = inside || !outside && decide_exactly(ray, &corners(triangle)).is_some();
+        self.found = inside || !outside && decide_exactly(ray, &corners_of(mesh, triangle)).is_some();
         self.found
     }
 

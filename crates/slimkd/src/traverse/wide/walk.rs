@@ -4,7 +4,7 @@ use crate::layout::{Address, Ids, LANES, STEP_BITS, WideNode, WideView};
 use crate::simd::{Four, Quad, Simd};
 use crate::traverse::counters::count;
 use crate::traverse::prepared::PreparedRay;
-use crate::traverse::sink::{Corners, Sink};
+use crate::traverse::sink::Sink;
 use std::hint::black_box;
 use std::mem::MaybeUninit;
 
@@ -74,9 +74,9 @@ impl<'a, V: Simd> Walk<'a, V> {
         let (s, nodes, ray) = (self.s, self.nodes, self.ray);
         let mut top = 0;
         let mut at = Address::ROOT;
-        // −0 would be larger than all other distances, by its bits.
+        // Where distances are compared as integers, −0 would be before all others: adding 0 makes it +0.
         let enter = s.f32s(ray.enter + 0.0);
-        let mut limit = ray.exit;
+        let mut limit = ray.exit + 0.0;
         let mut quad = Quad::new();
         let lanes = s.load_u32(&[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15]);
         count(|c| (c.rays, c.walks) = (c.rays + 1, c.walks + 1));
@@ -113,7 +113,7 @@ impl<'a, V: Simd> Walk<'a, V> {
                 // 2. Else the nearest one that waits and may hold something nearer than the best hit.
                 while !found {
                     if top == 0 {
-                        sink.settle(ray, self.corners());
+                        sink.settle(ray, &self.nodes.mesh);
                         return;
                     }
                     // SAFETY: there is an entry below the top, and it was written.
@@ -142,19 +142,11 @@ impl<'a, V: Simd> Walk<'a, V> {
                 if unsafe { self.leaf(from, lane, &mut quad, sink) } {
                     return;
                 }
-                let limit_now = sink.limit() * ray.scale;
+                let limit_now = sink.limit() * ray.scale + 0.0;
                 limit = if limit_now < limit { limit_now } else { limit };
                 found = false;
             }
         }
-    }
-
-    /// The corners of triangles that leaves of this tree name.
-    #[inline(always)]
-    fn corners(&self) -> impl Corners + 'a {
-        let mesh = self.nodes.mesh;
-        // SAFETY: the walk asks for triangles that leaves of its tree name.
-        move |id| unsafe { mesh.corners(id) }
     }
 
     /// Tests the triangles of a leaf; `true` ends the walk.
@@ -186,7 +178,7 @@ impl<'a, V: Simd> Walk<'a, V> {
                 if sink.knows(id) {
                     continue;
                 }
-                if sink.consider(self.ray, quad.estimate(place), id, self.corners()) {
+                if sink.consider(self.ray, quad.estimate(place), id, &self.nodes.mesh) {
                     return true;
                 }
             }
