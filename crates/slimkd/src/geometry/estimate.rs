@@ -160,7 +160,8 @@ mod tests {
         assert!(!sure([0.5, 0.500_000_1, 1.0], [0.0, 0.0, -1.0], 1.0), "beside an edge");
         assert!(!sure([0.2e-30, 0.2e-30, 1e-30], [0.0, 0.0, -1.0], 1e-30), "products underflow");
         assert!(!sure([0.2e30, 0.2e30, 1e30], [0.0, 0.0, -1.0], 1e30), "products overflow");
-        assert!(!sure([0.2, 0.2, 1.0], [0.0, 0.0, -1e-25], 1.0), "a short direction");
+        assert!(sure([0.2, 0.2, 1.0], [0.0, 0.0, -1e-25], 1.0));
+        assert!(!sure([0.2, 0.2, 1.0], [0.0, 0.0, -1e-35], 1.0), "a short direction");
         assert!(!sure([0.2, 0.2, 0.0], [0.0, 0.0, -1.0], 1.0), "a start on the triangle");
     }
 }

@@ -149,8 +149,6 @@ pub(crate) const MOST_IDS: usize = 64;
 /// How many ids a layout may write behind those that it reports, since it decodes several at a time.
 pub(crate) const SPILL: usize = 8;
 
-const RUN: [u32; SPILL] = [0, 1, 2, 3, 4, 5, 6, 7];
-
 /// Room for the ids that are taken at once. It is not initialised, so making it takes no time.
 pub(crate) struct Ids(pub(super) [MaybeUninit<u32>; MOST_IDS + SPILL]);
 
@@ -166,7 +164,9 @@ impl Ids {
         // One check and one store, not eight.
         let to: &mut [MaybeUninit<u32>; SPILL] =
             (&mut self.0[at..at + SPILL]).try_into().expect("a slice of that length");
-        *to = RUN.map(|k| MaybeUninit::new(first.wrapping_add(k)));
+        for k in 0..SPILL {
+            to[k].write(first.wrapping_add(k as u32));
+        }
     }
 
     /// The first `count` ids, and with the last of them again up to a multiple of four. There are at most [`MOST_IDS`], and at least one.

@@ -80,10 +80,6 @@ impl Simd for Avx2 {
             let x = _mm_max_ps(x, _mm_movehl_ps(x, x));
             _mm_cvtss_f32(_mm_max_ss(x, _mm_movehdup_ps(x)))
         };
-        later(a: F32, b: F32) -> F32 =
-            F32(_mm256_castsi256_ps(_mm256_max_epi32(_mm256_castps_si256(a.0), _mm256_castps_si256(b.0))));
-        sooner(a: F32, b: F32) -> F32 =
-            F32(_mm256_castsi256_ps(_mm256_min_epi32(_mm256_castps_si256(a.0), _mm256_castps_si256(b.0))));
         abs(x: F32) -> F32 = F32(_mm256_andnot_ps(_mm256_set1_ps(-0.0), x.0));
 
         lt(a: F32, b: F32) -> Mask = Mask(_mm256_cmp_ps::<_CMP_LT_OQ>(a.0, b.0));

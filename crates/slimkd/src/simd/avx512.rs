@@ -58,18 +58,12 @@ impl Simd for Avx512 {
         load(from: &[f32]) -> F32 = F32(_mm512_loadu_ps(from[..WIDTH].as_ptr()));
         load_u32(from: &[u32]) -> U32 = U32(_mm512_loadu_si512(from[..WIDTH].as_ptr().cast()));
         store(x: F32, to: &mut [f32]) = _mm512_storeu_ps(to[..WIDTH].as_mut_ptr(), x.0);
-        store_u32(x: U32, to: &mut [u32]) = _mm512_storeu_si512(to[..WIDTH].as_mut_ptr().cast(), x.0);
+        store_u32(x: U32, to: &mut [u32]) = to[..WIDTH].as_mut_ptr().cast::<__m512i>().write_unaligned(x.0);
 
         larger(a: F32, b: F32) -> F32 = F32(_mm512_max_ps(a.0, b.0));
         smaller(a: F32, b: F32) -> F32 = F32(_mm512_min_ps(a.0, b.0));
         least(x: F32) -> f32 = _mm512_reduce_min_ps(x.0);
         most(x: F32) -> f32 = _mm512_reduce_max_ps(x.0);
-        later(a: F32, b: F32) -> F32 =
-            F32(_mm512_castsi512_ps(_mm512_max_epi32(_mm512_castps_si512(a.0), _mm512_castps_si512(b.0))));
-        sooner(a: F32, b: F32) -> F32 =
-            F32(_mm512_castsi512_ps(_mm512_min_epi32(_mm512_castps_si512(a.0), _mm512_castps_si512(b.0))));
-        not_after(a: F32, b: F32) -> Bits =
-            Bits(_mm512_cmple_epi32_mask(_mm512_castps_si512(a.0), _mm512_castps_si512(b.0)));
         abs(x: F32) -> F32 = F32(_mm512_abs_ps(x.0));
 
         lt(a: F32, b: F32) -> Bits = Bits(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a.0, b.0));
@@ -130,7 +124,7 @@ impl Simd for Avx512 {
         // SAFETY: the token proves the instructions.
         unsafe {
             Frame {
-                axes: _mm512_broadcast_i32x4(_mm_loadu_si128(AXES[shear.axes[2]].as_ptr().cast())),
+                axes: _mm512_broadcast_i32x4(AXES[shear.axes[2]].as_ptr().cast::<__m128i>().read_unaligned()),
                 origin: _mm512_broadcast_f32x4(_mm_setr_ps(ox, oy, oz, 0.0)),
                 slope: _mm512_maskz_broadcast_f32x2(
                     0x3333,
@@ -304,7 +298,9 @@ impl Simd for Avx512 {
         let to = &mut to[..WIDTH];
         // Compressed in the register and stored whole: compressing stores take over a hundred cycles on some processors.
         // SAFETY: the token proves the instructions; `to` has 16 entries.
-        unsafe { _mm512_storeu_si512(to.as_mut_ptr().cast(), _mm512_maskz_compress_epi32(mask.0, x.0)) };
+        unsafe {
+            to.as_mut_ptr().cast::<__m512i>().write_unaligned(_mm512_maskz_compress_epi32(mask.0, x.0))
+        };
         mask.0.count_ones() as usize
     }
 
@@ -334,11 +330,11 @@ impl Simd for Avx512 {
             let keys = exchange!(keys, 0b10_11_00_01, 0b1010);
             let keys = exchange!(keys, 0b01_00_11_10, 0b1100);
             let keys = exchange!(keys, 0b11_01_10_00, 0b0100);
-            let descending = _mm_loadu_si128(DESCENDING[count].as_ptr().cast());
+            let descending = DESCENDING[count].as_ptr().cast::<__m128i>().read_unaligned();
             let keys = _mm_castps_si128(_mm_permutevar_ps(_mm_castsi128_ps(keys), descending));
             let tags = _mm_set1_epi32(tag as i32);
-            _mm_storeu_si128(others.cast(), _mm_unpacklo_epi32(keys, tags));
-            _mm_storeu_si128(others.add(2).cast(), _mm_unpackhi_epi32(keys, tags));
+            others.cast::<__m128i>().write_unaligned(_mm_unpacklo_epi32(keys, tags));
+            others.add(2).cast::<__m128i>().write_unaligned(_mm_unpackhi_epi32(keys, tags));
             _mm_cvtsi128_si32(least) as u32
         }
     }

@@ -160,22 +160,6 @@ pub(crate) trait Simd: Copy + Send + Sync + 'static {
     fn larger(self, a: Self::F, b: Self::F) -> Self::F;
     /// `a` where it is the smaller, else `b`.
     fn smaller(self, a: Self::F, b: Self::F) -> Self::F;
-    /// The larger of two distances of which one is not negative, or else any negative one. Their bits order as integers, which takes a
-    /// quarter of the time where there are such instructions. −0 counts as negative, and there must be no NaN.
-    #[inline(always)]
-    fn later(self, a: Self::F, b: Self::F) -> Self::F {
-        self.larger(a, b)
-    }
-    /// The smaller of two distances that are not negative, or else a negative one; as [`Simd::later`].
-    #[inline(always)]
-    fn sooner(self, a: Self::F, b: Self::F) -> Self::F {
-        self.smaller(a, b)
-    }
-    /// a ≤ b, where `a` is not negative; as [`Simd::later`].
-    #[inline(always)]
-    fn not_after(self, a: Self::F, b: Self::F) -> Self::M {
-        self.le(a, b)
-    }
     /// The least lane. NaN may be passed over.
     #[inline(always)]
     fn least(self, x: Self::F) -> f32 {

@@ -100,18 +100,6 @@ impl<S: Simd> Simd for Twice<S> {
         Pair(self.0.load_u16(from), self.0.load_u16(&from[S::WIDTH..]))
     }
     #[inline(always)]
-    fn later(self, a: Self::F, b: Self::F) -> Self::F {
-        Pair(self.0.later(a.0, b.0), self.0.later(a.1, b.1))
-    }
-    #[inline(always)]
-    fn sooner(self, a: Self::F, b: Self::F) -> Self::F {
-        Pair(self.0.sooner(a.0, b.0), self.0.sooner(a.1, b.1))
-    }
-    #[inline(always)]
-    fn not_after(self, a: Self::F, b: Self::F) -> Self::M {
-        Pair(self.0.not_after(a.0, b.0), self.0.not_after(a.1, b.1))
-    }
-    #[inline(always)]
     fn bound_mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
         Pair(self.0.bound_mul_add(a.0, b.0, c.0), self.0.bound_mul_add(a.1, b.1, c.1))
     }

@@ -153,7 +153,7 @@ impl PreparedRay {
             plane_origin: plane_origin.lanes(),
             inverse: inverse.lanes(),
             slack: widths.lanes(),
-            descends: descends.lanes().map(f32::to_bits),
+            descends: bytemuck::cast(descends.lanes()),
             enter,
             exit,
             t_min,

@@ -11,7 +11,6 @@
 //!    So the near side of every such box is at most t, and its far side at least t, and no lane that holds the triangle is passed over.
 //! 2. Rays whose widths are beyond 2¹⁰⁰, or that begin before t = 0, take [`walk_in_f64`], with f64: no value above can
 //!    overflow, and distances order as their bits do.
-//!    They are compared as integers: a box that a hit needs has its far side above 0, by what is left of the width.
 //! 3. Pending children are kept with the distance at which the ray enters them, the lane in its four lowest bits: that is lower than
 //!    the true distance, so nothing is dropped too early. Any-hit rays keep the lanes alone, and take them in their order.
 //! 4. Four triangles are tested at once ([`Simd::quad`]). Of those that may be hit, f32 says how far at least and at most the hit is

@@ -386,10 +386,10 @@ impl<K> Slot<K> {
             let (first, last) = unsafe { (node.plane(self.first[k]), node.plane(self.first[k] ^ 1)) };
             let (first, last) = (s.load_u16(first), s.load_u16(last));
             let step = s.f32s(terms.step[k]);
-            near = s.later(s.bound_mul_add(first, step, s.f32s(terms.near[k])), near);
-            far = s.sooner(s.bound_mul_add(last, step, s.f32s(terms.far[k])), far);
+            near = s.larger(s.bound_mul_add(first, step, s.f32s(terms.near[k])), near);
+            far = s.smaller(s.bound_mul_add(last, step, s.f32s(terms.far[k])), far);
         }
-        (s.not_after(near, far) & s.mask((1u32 << node.children()) - 1), near)
+        (s.le(near, far) & s.mask((1u32 << node.children()) - 1), near)
     }
 }
 

@@ -54,19 +54,17 @@ impl<'a, V: Simd> Walk<'a, V> {
     #[inline(always)]
     fn meets(&self, node: &WideNode, enter: V::F, exit: V::F) -> (u32, V::F) {
         let s = self.s;
-        let (mut near, mut far) = ([enter; 3], [exit; 3]);
+        let (mut near, mut far) = (enter, exit);
         for k in 0..3 {
             let (low, inverse) = (s.f32s(node.low[k]), self.inverse[k]);
             let step = s.cast_f32(s.u32s(node.steps[k]) & s.u32s(STEP_BITS)) * inverse;
             let first = s.load_u16(&node.planes[self.first[k]]);
             let last = s.load_u16(&node.planes[self.last[k]]);
-            near[k] = s.bound_mul_add(first, step, s.bound_mul_add(low, inverse, self.near[k]));
-            far[k] = s.bound_mul_add(last, step, s.bound_mul_add(low, inverse, self.far[k]));
+            near = s.larger(s.bound_mul_add(first, step, s.bound_mul_add(low, inverse, self.near[k])), near);
+            far = s.smaller(s.bound_mul_add(last, step, s.bound_mul_add(low, inverse, self.far[k])), far);
         }
-        let near = s.later(s.later(near[0], near[1]), s.later(near[2], enter));
-        let far = s.sooner(s.sooner(far[0], far[1]), s.sooner(far[2], exit));
         let children = (1u32 << node.children()) - 1;
-        (s.bits(s.not_after(near, far)) & children, near)
+        (s.bits(s.le(near, far)) & children, near)
     }
 
     #[inline(always)]
