@@ -50,6 +50,59 @@ pub(crate) struct Frame {
     along: __m256,
 }
 
+/// Two triangles in the ray's frame, each in its own half; as with AVX-512.
+struct Edges {
+    u: __m256,
+    u2: __m256,
+    v: __m256,
+    v2: __m256,
+    w: __m256,
+    w2: __m256,
+    az: __m256,
+    bz: __m256,
+    cz: __m256,
+    /// The lowest bit of each half where the triangle may be hit.
+    may_hit: u32,
+}
+
+/// What two triangles are in the ray's frame.
+///
+/// # Safety
+/// The processor must have AVX2, and every pointer must be that of a corner.
+#[inline(always)]
+unsafe fn edges(frame: &Frame, first: [*const [f32; 3]; 3], second: [*const [f32; 3]; 3]) -> Edges {
+    // SAFETY: the caller's promise; the masks read three f32 of each corner.
+    unsafe {
+        let three = _mm_setr_epi32(-1, -1, -1, 0);
+        macro_rules! row {
+            ($k:literal) => {{
+                let row = _mm256_set_m128(
+                    _mm_maskload_ps(second[$k].cast(), three),
+                    _mm_maskload_ps(first[$k].cast(), three),
+                );
+                let row = _mm256_permutevar_ps(_mm256_sub_ps(row, frame.origin), frame.axes);
+                let z = _mm256_permute_ps::<0b10_10_10_10>(row);
+                (_mm256_sub_ps(row, _mm256_mul_ps(frame.slope, z)), z)
+            }};
+        }
+        macro_rules! products {
+            ($p:ident, $q:ident) => {{
+                let product = _mm256_mul_ps($p, _mm256_permute_ps::<0b11_10_00_01>($q));
+                (product, _mm256_permute_ps::<0b11_10_00_01>(product))
+            }};
+        }
+        let ((a, az), (b, bz), (c, cz)) = (row!(0), row!(1), row!(2));
+        let ((u, u2), (v, v2), (w, w2)) = (products!(c, b), products!(a, c), products!(b, a));
+        let below = _mm256_or_ps(
+            _mm256_or_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(u, u2), _mm256_cmp_ps::<_CMP_LT_OQ>(v, v2)),
+            _mm256_cmp_ps::<_CMP_LT_OQ>(w, w2),
+        );
+        let below = _mm256_movemask_ps(below) as u32;
+        let may_hit = !(below & below >> 1) & 0x11;
+        Edges { u, u2, v, v2, w, w2, az, bz, cz, may_hit }
+    }
+}
+
 impl Simd for Avx2 {
     const WIDTH: usize = WIDTH;
     type F = F32;
@@ -175,29 +228,10 @@ impl Simd for Avx2 {
         limit: f32,
         quad: &mut Quad,
     ) -> u32 {
-        // SAFETY: the token proves the instructions; the masks read three f32 of each corner.
+        // SAFETY: the token proves the instructions; the caller vouches for the corners.
         unsafe {
             // As with AVX-512, but two triangles at a time: each in its own half.
-            let &Frame { axes, origin, slope, along } = frame;
-            let three = _mm_setr_epi32(-1, -1, -1, 0);
             let minus = _mm256_set1_ps(-0.0);
-            macro_rules! row {
-                ($k:literal, $first:literal) => {{
-                    let row = _mm256_set_m128(
-                        _mm_maskload_ps(corners[$first + 1][$k].cast(), three),
-                        _mm_maskload_ps(corners[$first][$k].cast(), three),
-                    );
-                    let row = _mm256_permutevar_ps(_mm256_sub_ps(row, origin), axes);
-                    let z = _mm256_permute_ps::<0b10_10_10_10>(row);
-                    (_mm256_sub_ps(row, _mm256_mul_ps(slope, z)), z)
-                }};
-            }
-            macro_rules! products {
-                ($p:ident, $q:ident) => {{
-                    let product = _mm256_mul_ps($p, _mm256_permute_ps::<0b11_10_00_01>($q));
-                    (product, _mm256_permute_ps::<0b11_10_00_01>(product))
-                }};
-            }
             macro_rules! bits {
                 ($mask:expr) => {
                     _mm256_movemask_ps($mask) as u32
@@ -220,11 +254,8 @@ impl Simd for Avx2 {
             }
             macro_rules! two {
                 ($first:literal) => {{
-                    let ((a, az), (b, bz), (c, cz)) = (row!(0, $first), row!(1, $first), row!(2, $first));
-                    let ((u, u2), (v, v2), (w, w2)) = (products!(c, b), products!(a, c), products!(b, a));
-                    let signs =
-                        bits!(_mm256_or_ps(_mm256_or_ps(below!(u, u2), below!(v, v2)), below!(w, w2)));
-                    let may_hit = !(signs & signs >> 1) & 0x11;
+                    let Edges { u, u2, v, v2, w, w2, az, bz, cz, may_hit } =
+                        edges(frame, corners[$first], corners[$first + 1]);
                     if may_hit == 0 {
                         (0, 0)
                     } else {
@@ -236,7 +267,7 @@ impl Simd for Avx2 {
                             _mm256_add_ps(_mm256_mul_ps(u, az), _mm256_mul_ps(v, bz)),
                             _mm256_mul_ps(w, cz),
                         );
-                        let scale = _mm256_mul_ps(_mm256_add_ps(_mm256_add_ps(u, v), w), along);
+                        let scale = _mm256_mul_ps(_mm256_add_ps(_mm256_add_ps(u, v), w), frame.along);
                         let sign = _mm256_and_ps(scale, minus);
                         let (distance, scale) = (_mm256_xor_ps(distance, sign), _mm256_xor_ps(scale, sign));
                         let error = _mm256_mul_ps(_mm256_mul_ps(sum, reach), _mm256_set1_ps(DISTANCE));
@@ -271,38 +302,12 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
-    unsafe fn may_hit(self, shear: &Shear, corners: &[[*const [f32; 3]; 3]; 4]) -> u32 {
-        // SAFETY: the token proves the instructions; the masks read three f32 of each corner.
-        unsafe {
-            // As with AVX-512, but two triangles at a time: each in its own half.
-            let Frame { axes, origin, slope, .. } = self.frame(shear);
-            let three = _mm_setr_epi32(-1, -1, -1, 0);
-            macro_rules! row {
-                ($k:literal, $first:literal) => {{
-                    let row = _mm256_set_m128(
-                        _mm_maskload_ps(corners[$first + 1][$k].cast(), three),
-                        _mm_maskload_ps(corners[$first][$k].cast(), three),
-                    );
-                    let row = _mm256_permutevar_ps(_mm256_sub_ps(row, origin), axes);
-                    _mm256_sub_ps(row, _mm256_mul_ps(slope, _mm256_permute_ps::<0b10_10_10_10>(row)))
-                }};
-            }
-            macro_rules! below {
-                ($p:ident, $q:ident) => {{
-                    let product = _mm256_mul_ps($p, _mm256_permute_ps::<0b11_10_00_01>($q));
-                    _mm256_cmp_ps::<_CMP_LT_OQ>(product, _mm256_permute_ps::<0b11_10_00_01>(product))
-                }};
-            }
-            macro_rules! two {
-                ($first:literal) => {{
-                    let (a, b, c) = (row!(0, $first), row!(1, $first), row!(2, $first));
-                    let signs = _mm256_or_ps(_mm256_or_ps(below!(c, b), below!(a, c)), below!(b, a));
-                    let signs = _mm256_movemask_ps(signs) as u32;
-                    !(signs & signs >> 1) & 0x11
-                }};
-            }
-            _pext_u32(two!(0) | two!(2) << 8, 0x1111)
-        }
+    unsafe fn may_hit(self, shear: &Shear, &[a, b, c, d]: &[[*const [f32; 3]; 3]; 4]) -> u32 {
+        let frame = self.frame(shear);
+        // SAFETY: the token proves the instructions; the caller vouches for the corners.
+        let (first, second) = unsafe { (edges(&frame, a, b), edges(&frame, c, d)) };
+        // SAFETY: the token proves BMI2.
+        unsafe { _pext_u32(first.may_hit | second.may_hit << 8, 0x1111) }
     }
     #[inline(always)]
     unsafe fn decide(self, shear: &Shear, corners: [*const [f32; 3]; 3]) -> Option<Intersection> {

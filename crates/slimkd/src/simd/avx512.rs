@@ -142,48 +142,18 @@ impl Simd for Avx512 {
         limit: f32,
         quad: &mut Quad,
     ) -> u32 {
-        // SAFETY: the token proves the instructions; the masks read three f32 of each corner.
+        // SAFETY: the token proves the instructions; the caller vouches for the corners.
         unsafe {
-            // 1. Corner `k` of four triangles, each in its own quarter: x, y, z of the ray's frame, nothing. Macros, since closures fall out
-            //    of the inline chain.
-            let &Frame { axes, origin, slope, along } = frame;
-            macro_rules! three {
-                ($k:literal, $at:literal) => {
-                    _mm_maskz_loadu_ps(0b0111, corners[$at][$k].cast())
-                };
+            let Edges { u, u2, v, v2, w, w2, az, bz, cz, may_hit } = edges(frame, corners);
+            if may_hit == 0 {
+                return 0;
             }
-            macro_rules! row {
-                ($k:literal) => {{
-                    let row = _mm512_castps128_ps512(three!($k, 0));
-                    let row = _mm512_insertf32x4::<1>(row, three!($k, 1));
-                    let row = _mm512_insertf32x4::<2>(row, three!($k, 2));
-                    let row = _mm512_insertf32x4::<3>(row, three!($k, 3));
-                    let row = _mm512_permutevar_ps(_mm512_sub_ps(row, origin), axes);
-                    let z = _mm512_permute_ps::<0b10_10_10_10>(row);
-                    (_mm512_sub_ps(row, _mm512_mul_ps(slope, z)), z)
-                }};
-            }
-            let ((a, az), (b, bz), (c, cz)) = (row!(0), row!(1), row!(2));
-            // 2. (px·qy, py·qx), and the other way round: the edge function is their difference, and its sign theirs in order.
-            macro_rules! products {
-                ($p:ident, $q:ident) => {{
-                    let product = _mm512_mul_ps($p, _mm512_permute_ps::<0b11_10_00_01>($q));
-                    (product, _mm512_permute_ps::<0b11_10_00_01>(product))
-                }};
-            }
-            let ((u, u2), (v, v2), (w, w2)) = (products!(c, b), products!(a, c), products!(b, a));
             macro_rules! below {
                 ($p:ident, $q:ident) => {
                     u32::from(_mm512_cmp_ps_mask::<_CMP_LT_OQ>($p, $q))
                 };
             }
-            let signs = below!(u, u2) | below!(v, v2) | below!(w, w2);
-            // A triangle is missed where both of its bits are set: some edge function is negative, and some positive.
-            let may_hit = !(signs & signs >> 1) & 0x1111;
-            if may_hit == 0 {
-                return 0;
-            }
-            // 3. What `Shear::estimate` finds of a triangle, in the first lane of its quarter.
+            // What `Shear::estimate` finds of a triangle, in the first lane of its quarter.
             let sum = _mm512_add_ps(_mm512_add_ps(_mm512_abs_ps(u), _mm512_abs_ps(v)), _mm512_abs_ps(w));
             let sum = _mm512_add_ps(sum, _mm512_permute_ps::<0b11_10_00_01>(sum));
             let reach = _mm512_max_ps(_mm512_max_ps(_mm512_abs_ps(az), _mm512_abs_ps(bz)), _mm512_abs_ps(cz));
@@ -192,7 +162,7 @@ impl Simd for Avx512 {
                 _mm512_add_ps(_mm512_mul_ps(u, az), _mm512_mul_ps(v, bz)),
                 _mm512_mul_ps(w, cz),
             );
-            let scale = _mm512_mul_ps(_mm512_add_ps(_mm512_add_ps(u, v), w), along);
+            let scale = _mm512_mul_ps(_mm512_add_ps(_mm512_add_ps(u, v), w), frame.along);
             let sign = _mm512_and_ps(scale, _mm512_set1_ps(-0.0));
             let (distance, scale) = (_mm512_xor_ps(distance, sign), _mm512_xor_ps(scale, sign));
             let error = _mm512_mul_ps(_mm512_mul_ps(sum, reach), _mm512_set1_ps(DISTANCE));
@@ -226,43 +196,8 @@ impl Simd for Avx512 {
 
     #[inline(always)]
     unsafe fn may_hit(self, shear: &Shear, corners: &[[*const [f32; 3]; 3]; 4]) -> u32 {
-        // SAFETY: the token proves the instructions; the masks read three f32 of each corner.
-        unsafe {
-            // Corner `k` of four triangles, each in its own quarter: x, y, z of the ray's frame, nothing. Macros, since closures fall out
-            // of the inline chain.
-            let [kx, ky, kz] = shear.axes;
-            let frame = _mm512_broadcast_i32x4(_mm_setr_epi32(kx as i32, ky as i32, kz as i32, 3));
-            let origin =
-                _mm512_broadcast_f32x4(_mm_setr_ps(shear.origin[0], shear.origin[1], shear.origin[2], 0.0));
-            let slope = _mm512_broadcast_f32x4(_mm_setr_ps(shear.slope[0], shear.slope[1], 0.0, 0.0));
-            macro_rules! three {
-                ($k:literal, $at:literal) => {
-                    _mm_maskz_loadu_ps(0b0111, corners[$at][$k].cast())
-                };
-            }
-            macro_rules! row {
-                ($k:literal) => {{
-                    let row = _mm512_castps128_ps512(three!($k, 0));
-                    let row = _mm512_insertf32x4::<1>(row, three!($k, 1));
-                    let row = _mm512_insertf32x4::<2>(row, three!($k, 2));
-                    let row = _mm512_insertf32x4::<3>(row, three!($k, 3));
-                    let row = _mm512_permutevar_ps(_mm512_sub_ps(row, origin), frame);
-                    _mm512_sub_ps(row, _mm512_mul_ps(slope, _mm512_permute_ps::<0b10_10_10_10>(row)))
-                }};
-            }
-            let (a, b, c) = (row!(0), row!(1), row!(2));
-            // (px·qy, py·qx): the edge function is their difference, and its sign theirs in order.
-            macro_rules! below {
-                ($p:ident, $q:ident) => {{
-                    let product = _mm512_mul_ps($p, _mm512_permute_ps::<0b11_10_00_01>($q));
-                    _mm512_cmp_ps_mask::<_CMP_LT_OQ>(product, _mm512_permute_ps::<0b11_10_00_01>(product))
-                }};
-            }
-            let signs = u32::from(below!(c, b) | below!(a, c) | below!(b, a));
-            // A triangle is missed where both of its bits are set: some edge function is negative, and some positive.
-            let missed = signs & signs >> 1 & 0x1111;
-            !(missed | missed >> 3 | missed >> 6 | missed >> 9) & 0xf
-        }
+        // SAFETY: the token proves the instructions; the caller vouches for the corners.
+        unsafe { _pext_u32(edges(&self.frame(shear), corners).may_hit, 0x1111) }
     }
 
     #[inline(always)]
@@ -415,6 +350,65 @@ pub(crate) struct Frame {
     origin: __m512,
     slope: __m512,
     along: __m512,
+}
+
+/// Four triangles in the ray's frame, each in its own quarter.
+struct Edges {
+    /// (px·qy, py·qx) and the other way round: an edge function is their difference, and its sign theirs in order.
+    u: __m512,
+    u2: __m512,
+    v: __m512,
+    v2: __m512,
+    w: __m512,
+    w2: __m512,
+    /// The corners' z, in all lanes of the quarter.
+    az: __m512,
+    bz: __m512,
+    cz: __m512,
+    /// The lowest bit of each quarter where the triangle may be hit.
+    may_hit: u32,
+}
+
+/// What four triangles are in the ray's frame.
+///
+/// # Safety
+/// The processor must have AVX-512, and every pointer must be that of a corner.
+#[inline(always)]
+unsafe fn edges(frame: &Frame, corners: &[[*const [f32; 3]; 3]; 4]) -> Edges {
+    // SAFETY: the caller's promise; the masks read three f32 of each corner.
+    unsafe {
+        // Macros, since closures fall out of the inline chain.
+        macro_rules! three {
+            ($k:literal, $at:literal) => {
+                _mm_maskz_loadu_ps(0b0111, corners[$at][$k].cast())
+            };
+        }
+        macro_rules! row {
+            ($k:literal) => {{
+                let row = _mm512_castps128_ps512(three!($k, 0));
+                let row = _mm512_insertf32x4::<1>(row, three!($k, 1));
+                let row = _mm512_insertf32x4::<2>(row, three!($k, 2));
+                let row = _mm512_insertf32x4::<3>(row, three!($k, 3));
+                let row = _mm512_permutevar_ps(_mm512_sub_ps(row, frame.origin), frame.axes);
+                let z = _mm512_permute_ps::<0b10_10_10_10>(row);
+                (_mm512_sub_ps(row, _mm512_mul_ps(frame.slope, z)), z)
+            }};
+        }
+        macro_rules! products {
+            ($p:ident, $q:ident) => {{
+                let product = _mm512_mul_ps($p, _mm512_permute_ps::<0b11_10_00_01>($q));
+                (product, _mm512_permute_ps::<0b11_10_00_01>(product))
+            }};
+        }
+        let ((a, az), (b, bz), (c, cz)) = (row!(0), row!(1), row!(2));
+        let ((u, u2), (v, v2), (w, w2)) = (products!(c, b), products!(a, c), products!(b, a));
+        let below = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(u, u2)
+            | _mm512_cmp_ps_mask::<_CMP_LT_OQ>(v, v2)
+            | _mm512_cmp_ps_mask::<_CMP_LT_OQ>(w, w2);
+        // A triangle is missed where both of its bits are set: some edge function is negative, and some positive.
+        let may_hit = !u32::from(below & below >> 1) & 0x1111;
+        Edges { u, u2, v, v2, w, w2, az, bz, cz, may_hit }
+    }
 }
 
 #[inline(always)]

@@ -31,14 +31,17 @@ pub use counters::Counters;
 pub(crate) use exact::{Crossing, ExactQuery, traverse_exactly, traverse_wide_exactly};
 pub use nearest::NearestPoint;
 pub(crate) use nearest::{Search, search_tree, search_wide};
-pub(crate) use packet::{AnyHits, ClosestHits, finish as finish_strays};
+pub(crate) use packet::{AnyHits, ClosestHits, Grouped, finish as finish_strays};
 pub(crate) use prepared::PreparedRay;
 pub(crate) use single::traverse;
 pub(crate) use sink::{Any, Closest, Filtered, First, Sink};
 pub(crate) use stream::Stream;
-pub(crate) use wide::{WideAnyHits, WideClosestHits, WideWalk, walk_in_f64};
+pub(crate) use wide::{WideBatch, WideWalk, walk_in_f64};
 
 use crate::geometry::Aabb;
+
+/// Batches below this go ray by ray: a stream is not worth setting up.
+pub(crate) const LEAST_STREAM: usize = 16;
 
 /// A tree as every kernel needs it.
 #[derive(Clone, Copy)]

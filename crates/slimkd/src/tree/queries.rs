@@ -2,16 +2,13 @@
 
 use super::KdTree;
 use crate::geometry::{Aabb, Hit, Ray};
-use crate::layout::{LaneNodes, Nodes as _, with_nodes};
+use crate::layout::{LaneNodes, Nodes as _, WideView, with_nodes};
 use crate::query::{BatchJob, Walk, tracer};
 use crate::traverse::{
-    AnyHits, ClosestHits, ExactQuery, PreparedRay, RayConditions, Search, Sink, Stream, Traced, WideAnyHits,
-    WideClosestHits, WideWalk, finish_strays, search_tree, search_wide, traverse, traverse_exactly,
+    AnyHits, ClosestHits, ExactQuery, Grouped, LEAST_STREAM, PreparedRay, RayConditions, Search, Sink,
+    Stream, Traced, WideBatch, WideWalk, finish_strays, search_tree, search_wide, traverse, traverse_exactly,
     traverse_wide_exactly,
 };
-
-/// Batches below this go ray by ray: a stream is not worth setting up.
-const LEAST_STREAM: usize = 16;
 
 tracer!(KdTree);
 
@@ -48,15 +45,13 @@ impl Walk for KdTree {
 
     fn closest_hits(&self, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {
         with_nodes!(self, nodes => self.traced(nodes).closest_hits(self, job, hits), wide => {
-            let (tree, BatchJob { rays, conditions, coherent, instruction_set }) = (self.traced(wide), job);
-            WideClosestHits { tree, rays, conditions, coherent, hits }.run_with(instruction_set);
+            self.traced(wide).closest_hits(self, job, hits)
         });
     }
 
     fn any_hits(&self, job: BatchJob<'_>, hits: &mut [bool]) {
         with_nodes!(self, nodes => self.traced(nodes).any_hits(self, job, hits), wide => {
-            let (tree, BatchJob { rays, conditions, coherent, instruction_set }) = (self.traced(wide), job);
-            WideAnyHits { tree, rays, conditions, coherent, hits }.run_with(instruction_set);
+            self.traced(wide).any_hits(self, job, hits)
         });
     }
 }
@@ -67,39 +62,47 @@ impl KdTree {
     }
 }
 
-impl<N: LaneNodes> Traced<'_, N> {
+/// A tree that batches go through in any order.
+pub(crate) trait Batched: Grouped {
+    fn closest(traced: Traced<'_, Self>, tree: &KdTree, job: BatchJob<'_>, hits: &mut [Option<Hit>]);
+    fn any(traced: Traced<'_, Self>, tree: &KdTree, job: BatchJob<'_>, hits: &mut [bool]);
+}
+
+impl<N: Batched> Traced<'_, N> {
     fn closest_hits(self, tree: &KdTree, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {
         let BatchJob { rays, conditions, instruction_set, .. } = job;
         // A filter is asked hit by hit, which streams do anyway.
         if !job.coherent || conditions.filter.is_some() {
-            return self.closest_stream(tree, job, hits);
+            return N::closest(self, tree, job, hits);
         }
         let except = conditions.except;
         let strays = instruction_set.run(ClosestHits { tree: self, rays, except, hits: &mut *hits });
-        let Some(strays) = strays else { return self.closest_stream(tree, job, hits) };
+        let Some(strays) = strays else { return N::closest(self, tree, job, hits) };
         finish_strays(rays, hits, except, &strays, |rays, except, hits| {
             let conditions = RayConditions { except, ..conditions };
-            self.closest_stream(tree, BatchJob { rays, conditions, ..job }, hits);
+            N::closest(self, tree, BatchJob { rays, conditions, ..job }, hits);
         });
     }
 
     fn any_hits(self, tree: &KdTree, job: BatchJob<'_>, hits: &mut [bool]) {
         let BatchJob { rays, conditions, instruction_set, .. } = job;
         if !job.coherent || conditions.filter.is_some() {
-            return self.any_stream(tree, job, hits);
+            return N::any(self, tree, job, hits);
         }
         let except = conditions.except;
         let strays = instruction_set.run(AnyHits { tree: self, rays, except, hits: &mut *hits });
-        let Some(strays) = strays else { return self.any_stream(tree, job, hits) };
+        let Some(strays) = strays else { return N::any(self, tree, job, hits) };
         finish_strays(rays, hits, except, &strays, |rays, except, hits| {
             let conditions = RayConditions { except, ..conditions };
-            self.any_stream(tree, BatchJob { rays, conditions, ..job }, hits);
+            N::any(self, tree, BatchJob { rays, conditions, ..job }, hits);
         });
     }
+}
 
-    fn closest_stream(self, tree: &KdTree, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {
+impl<N: LaneNodes> Batched for N {
+    fn closest(traced: Traced<'_, Self>, tree: &KdTree, job: BatchJob<'_>, hits: &mut [Option<Hit>]) {
         if job.rays.len() >= LEAST_STREAM
-            && let Some(stream) = Stream::new(self, job.rays, job.conditions, &mut *hits)
+            && let Some(stream) = Stream::new(traced, job.rays, job.conditions, &mut *hits)
             && job.instruction_set.run(stream).is_some()
         {
             return;
@@ -109,9 +112,9 @@ impl<N: LaneNodes> Traced<'_, N> {
         }
     }
 
-    fn any_stream(self, tree: &KdTree, job: BatchJob<'_>, hits: &mut [bool]) {
+    fn any(traced: Traced<'_, Self>, tree: &KdTree, job: BatchJob<'_>, hits: &mut [bool]) {
         if job.rays.len() >= LEAST_STREAM
-            && let Some(stream) = Stream::new(self, job.rays, job.conditions, &mut *hits)
+            && let Some(stream) = Stream::new(traced, job.rays, job.conditions, &mut *hits)
             && job.instruction_set.run(stream).is_some()
         {
             return;
@@ -119,5 +122,17 @@ impl<N: LaneNodes> Traced<'_, N> {
         for (at, (ray, hit)) in job.rays.iter().zip(hits).enumerate() {
             *hit = job.conditions.alone(at, |conditions| tree.ask_any(ray, conditions));
         }
+    }
+}
+
+impl Batched for WideView<'_> {
+    fn closest(tree: Traced<'_, Self>, _: &KdTree, job: BatchJob<'_>, answers: &mut [Option<Hit>]) {
+        let BatchJob { rays, conditions, instruction_set, .. } = job;
+        WideBatch { tree, rays, conditions, answers }.run_with(instruction_set);
+    }
+
+    fn any(tree: Traced<'_, Self>, _: &KdTree, job: BatchJob<'_>, answers: &mut [bool]) {
+        let BatchJob { rays, conditions, instruction_set, .. } = job;
+        WideBatch { tree, rays, conditions, answers }.run_with(instruction_set);
     }
 }

@@ -1,4 +1,4 @@
-//! What a stream keeps of each ray until its answer is known.
+//! What a batch keeps of each ray until its answer is known.
 
 use crate::geometry::{Hit, Intersection};
 use crate::traverse::RayConditions;
@@ -6,15 +6,29 @@ use crate::traverse::sink::{Any, Closest, Sink};
 use crate::traverse::stream::Answers;
 
 /// Where answers go, and what is kept of a ray until its answer is known.
-pub(super) trait Asking: Answers {
+pub(crate) trait Asking: Answers {
     type Kept: Sink + Copy;
+    /// The same places, lent.
+    type Lent<'b>: Asking<Kept = Self::Kept>
+    where
+        Self: 'b;
 
+    fn reborrow(&mut self) -> Self::Lent<'_>;
     fn begin(t_max: f32, except: u32) -> Self::Kept;
     fn hit(kept: &Self::Kept) -> Option<Hit>;
 }
 
 impl Asking for &mut [Option<Hit>] {
     type Kept = Closest;
+    type Lent<'b>
+        = &'b mut [Option<Hit>]
+    where
+        Self: 'b;
+
+    #[inline(always)]
+    fn reborrow(&mut self) -> &mut [Option<Hit>] {
+        self
+    }
 
     #[inline(always)]
     fn begin(t_max: f32, except: u32) -> Closest {
@@ -29,6 +43,15 @@ impl Asking for &mut [Option<Hit>] {
 
 impl Asking for &mut [bool] {
     type Kept = Any;
+    type Lent<'b>
+        = &'b mut [bool]
+    where
+        Self: 'b;
+
+    #[inline(always)]
+    fn reborrow(&mut self) -> &mut [bool] {
+        self
+    }
 
     #[inline(always)]
     fn begin(t_max: f32, except: u32) -> Any {

@@ -31,11 +31,12 @@ mod walk;
 pub(crate) use in_f64::walk_in_f64;
 
 use super::prepared::PreparedRay;
-use super::sink::{Any, Closest, Filtered, Sink};
-use super::{AnyHits, ClosestHits, RayConditions, Traced, finish_strays};
-use crate::geometry::{Hit, Ray};
+use super::sink::Sink;
+use super::{LEAST_STREAM, RayConditions, Traced};
+use crate::geometry::Ray;
 use crate::layout::WideView;
 use crate::simd::{InstructionSet, Kernel, Simd};
+use kept::{Asking, Taking};
 use std::mem::MaybeUninit;
 use stream::WideStream;
 use walk::{WAITING, Walk};
@@ -44,9 +45,6 @@ use walk::{WAITING, Walk};
 const SMALL_DEPTH: usize = 24;
 /// Widths up to here, and no distance overflows (deviation 2).
 const MOST_WIDTH: f32 = (1u128 << 100) as f32;
-
-/// Batches below this go ray by ray: a stream is not worth setting up.
-const LEAST_STREAM: usize = 16;
 
 /// Whether the walk with vectors takes a ray (deviation 2).
 #[inline(always)]
@@ -120,120 +118,45 @@ impl<S: Sink> Kernel for WideWalk<'_, S> {
     }
 }
 
-/// The closest hits of a batch: coherent ones as groups, others as a stream, few of them ray by ray.
-pub(crate) struct WideClosestHits<'a> {
+/// The answers of a batch in any order: as a stream, few rays one by one.
+pub(crate) struct WideBatch<'a, A> {
     pub(crate) tree: Traced<'a, WideView<'a>>,
     pub(crate) rays: &'a [Ray],
     pub(crate) conditions: RayConditions<'a>,
-    pub(crate) coherent: bool,
-    pub(crate) hits: &'a mut [Option<Hit>],
+    pub(crate) answers: A,
 }
 
-impl WideClosestHits<'_> {
-    pub(crate) fn run_with(self, set: InstructionSet) {
-        let Self { tree, rays, conditions, coherent, hits } = self;
-        let except = conditions.except;
-        // A filter is asked hit by hit, which streams do anyway.
-        if coherent
-            && conditions.filter.is_none()
-            && let Some(strays) = set.run(ClosestHits { tree, rays, except, hits: &mut *hits })
-        {
-            return finish_strays(rays, hits, except, &strays, |rays, except, hits| {
-                let conditions = RayConditions { except, ..conditions };
-                WideClosestHits { tree, rays, conditions, coherent: false, hits }.run_with(set);
-            });
-        }
+impl<A: Asking> WideBatch<'_, A> {
+    pub(crate) fn run_with(mut self, set: InstructionSet) {
+        let WideBatch { tree, rays, conditions, .. } = self;
         if rays.len() >= LEAST_STREAM
-            && set.run(WideStream { tree, rays, conditions, answers: &mut *hits }).is_some()
+            && set.run(WideStream { tree, rays, conditions, answers: self.answers.reborrow() }).is_some()
         {
             return;
         }
-        if set.run(WideClosestHits { tree, rays, conditions, coherent, hits: &mut *hits }).is_none() {
-            WideClosestHits { tree, rays, conditions, coherent, hits }.walk_all(&Exactly);
+        if set.run(WideBatch { tree, rays, conditions, answers: self.answers.reborrow() }).is_none() {
+            self.walk_all(&Exactly);
         }
     }
 
     #[inline(always)]
-    fn walk_all(self, way: &impl Way) {
+    fn walk_all(mut self, way: &impl Way) {
         let (tree, conditions) = (&self.tree, &self.conditions);
-        for (at, (ray, hit)) in self.rays.iter().zip(self.hits).enumerate() {
-            *hit = None;
-            let Some(prepared) = PreparedRay::new(ray, tree.bounds, tree.nodes.grid()) else { continue };
-            let mut sink = Closest::new(ray.t_max, conditions.excepted(at));
-            match conditions.filter {
-                None => way.walk(tree, &prepared, &mut sink),
-                Some(filter) => {
-                    let accept = &mut |hit: &Hit| filter(conditions.first + at, hit);
-                    way.walk(tree, &prepared, &mut Filtered { sink: &mut sink, accept });
+        for (place, ray) in self.rays.iter().enumerate() {
+            let mut kept = A::begin(ray.t_max, conditions.excepted(place));
+            if let Some(prepared) = PreparedRay::new(ray, tree.bounds, tree.nodes.grid()) {
+                if conditions.filter.is_none() {
+                    way.walk(tree, &prepared, &mut kept);
+                } else {
+                    way.walk(tree, &prepared, &mut Taking { kept: &mut kept, place, conditions });
                 }
             }
-            *hit = sink.into_hit();
+            self.answers.put(place, A::hit(&kept));
         }
     }
 }
 
-impl Kernel for WideClosestHits<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<V: Simd>(self, s: V) {
-        self.walk_all(&ByLanes(s));
-    }
-}
-
-/// The answers of a batch of any-hit rays, likewise.
-pub(crate) struct WideAnyHits<'a> {
-    pub(crate) tree: Traced<'a, WideView<'a>>,
-    pub(crate) rays: &'a [Ray],
-    pub(crate) conditions: RayConditions<'a>,
-    pub(crate) coherent: bool,
-    pub(crate) hits: &'a mut [bool],
-}
-
-impl WideAnyHits<'_> {
-    pub(crate) fn run_with(self, set: InstructionSet) {
-        let Self { tree, rays, conditions, coherent, hits } = self;
-        let except = conditions.except;
-        // A filter is asked hit by hit, which streams do anyway.
-        if coherent
-            && conditions.filter.is_none()
-            && let Some(strays) = set.run(AnyHits { tree, rays, except, hits: &mut *hits })
-        {
-            return finish_strays(rays, hits, except, &strays, |rays, except, hits| {
-                let conditions = RayConditions { except, ..conditions };
-                WideAnyHits { tree, rays, conditions, coherent: false, hits }.run_with(set);
-            });
-        }
-        if rays.len() >= LEAST_STREAM
-            && set.run(WideStream { tree, rays, conditions, answers: &mut *hits }).is_some()
-        {
-            return;
-        }
-        if set.run(WideAnyHits { tree, rays, conditions, coherent, hits: &mut *hits }).is_none() {
-            WideAnyHits { tree, rays, conditions, coherent, hits }.walk_all(&Exactly);
-        }
-    }
-
-    #[inline(always)]
-    fn walk_all(self, way: &impl Way) {
-        let (tree, conditions) = (&self.tree, &self.conditions);
-        for (at, (ray, hit)) in self.rays.iter().zip(self.hits).enumerate() {
-            *hit = false;
-            let Some(prepared) = PreparedRay::new(ray, tree.bounds, tree.nodes.grid()) else { continue };
-            let mut sink = Any::new(ray.t_max, conditions.excepted(at));
-            match conditions.filter {
-                None => way.walk(tree, &prepared, &mut sink),
-                Some(filter) => {
-                    let accept = &mut |hit: &Hit| filter(conditions.first + at, hit);
-                    way.walk(tree, &prepared, &mut Filtered { sink: &mut sink, accept });
-                }
-            }
-            *hit = sink.found;
-        }
-    }
-}
-
-impl Kernel for WideAnyHits<'_> {
+impl<A: Asking> Kernel for WideBatch<'_, A> {
     type Output = ();
 
     #[inline(always)]

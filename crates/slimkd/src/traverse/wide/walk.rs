@@ -72,9 +72,9 @@ impl<'a, V: Simd> Walk<'a, V> {
         let (s, nodes, ray) = (self.s, self.nodes, self.ray);
         let mut top = 0;
         let mut at = Address::ROOT;
-        // Where distances are compared as integers, −0 would be before all others: adding 0 makes it +0.
+        // −0 would be larger than all other distances, by its bits.
         let enter = s.f32s(ray.enter + 0.0);
-        let mut limit = ray.exit + 0.0;
+        let mut limit = ray.exit;
         let mut quad = Quad::new();
         let lanes = s.load_u32(&[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15]);
         count(|c| (c.rays, c.walks) = (c.rays + 1, c.walks + 1));
@@ -140,7 +140,7 @@ impl<'a, V: Simd> Walk<'a, V> {
                 if unsafe { self.leaf(from, lane, &mut quad, sink) } {
                     return;
                 }
-                let limit_now = sink.limit() * ray.scale + 0.0;
+                let limit_now = sink.limit() * ray.scale;
                 limit = if limit_now < limit { limit_now } else { limit };
                 found = false;
             }
