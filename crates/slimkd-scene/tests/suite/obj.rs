@@ -118,7 +118,16 @@ fn odd_but_harmless_files_load() {
     assert!(parse("# nothing\n").mesh.is_empty());
     let scene = parse("v 0 0 0\nv 1 0 0\nl 1 2\nf 1 2\nsomething else\nf 1 2 3\nv nan inf 0\n");
     assert_eq!(scene.mesh.triangles(), [[0, 1, 2]]);
-    assert_eq!(scene.warnings.len(), 2);
+    assert_eq!(scene.warnings.len(), 3);
+    assert_eq!(scene.warnings[1].to_string(), "1 of 3 elements are lines or points and were left out");
+    let curves =
+        parse("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\ncstype bezier\ndeg 1\ncurv 0 1 1 2\nparm u 0 1\nend\n");
+    assert_eq!(curves.mesh.len(), 1);
+    assert!(
+        curves.warnings[0].to_string().starts_with("1 of 2 elements are free-form"),
+        "{:?}",
+        curves.warnings
+    );
     let bom = parse("\u{feff}v 0 0 0\nf 1 1 1");
     assert_eq!(bom.mesh.len(), 1);
     let missing = parse("mtllib a.mtl\nusemtl x\nv 0 0 0\nf 1 1 1\n");

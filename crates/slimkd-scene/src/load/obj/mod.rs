@@ -65,6 +65,9 @@ struct Obj {
     slivers: u64,
     /// Faces with any number of corners.
     faces: u64,
+    /// Lines and points, and free-form curves and surfaces: elements that are no faces.
+    lines: u64,
+    free_form: u64,
     known_lines: u64,
     unknown: Option<(u64, String)>,
 }
@@ -121,10 +124,12 @@ pub(super) fn parse(
             b"usemtl" => (name, id) = (Some(String::from_utf8_lossy(rest()).into_owned()), None),
             b"mtllib" => obj.libraries.push(String::from_utf8_lossy(rest()).into_owned()),
             _ if keyword.starts_with(b"#") => continue,
-            b"o" | b"g" | b"s" | b"l" | b"p" | b"mg" | b"vp" | b"usemap" | b"maplib" | b"bevel"
-            | b"c_interp" | b"d_interp" | b"lod" | b"shadow_obj" | b"trace_obj" | b"cstype" | b"deg"
-            | b"bmat" | b"step" | b"curv" | b"curv2" | b"surf" | b"parm" | b"trim" | b"hole" | b"scrv"
-            | b"sp" | b"end" | b"con" | b"ctech" | b"stech" | b"call" | b"csh" => {}
+            b"l" | b"p" => obj.lines += 1,
+            b"curv" | b"curv2" | b"surf" => obj.free_form += 1,
+            b"o" | b"g" | b"s" | b"mg" | b"vp" | b"usemap" | b"maplib" | b"bevel" | b"c_interp"
+            | b"d_interp" | b"lod" | b"shadow_obj" | b"trace_obj" | b"cstype" | b"deg" | b"bmat"
+            | b"step" | b"parm" | b"trim" | b"hole" | b"scrv" | b"sp" | b"end" | b"con" | b"ctech"
+            | b"stech" | b"call" | b"csh" => {}
             _ => {
                 if obj.unknown.is_none() {
                     obj.unknown = Some((number, quoted(&line)));
@@ -253,6 +258,18 @@ impl Obj {
         if let Some((line, text)) = self.unknown {
             let what = format!("unknown lines were ignored, the first is line {line}: {text}");
             warn(&mut warnings, Warning::new(WarningKind::Ignored, what));
+        }
+        let elements = self.faces + self.lines + self.free_form;
+        for (count, what) in [
+            (self.lines, "elements are lines or points and were left out"),
+            (
+                self.free_form,
+                "elements are free-form curves or surfaces and were left out; export them as polygons",
+            ),
+        ] {
+            if count > 0 {
+                warn(&mut warnings, Warning::counted(WarningKind::Ignored, count, elements, what));
+            }
         }
         if self.slivers > 0 {
             let what = "faces have fewer than 3 corners and were left out";
